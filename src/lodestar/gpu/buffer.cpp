@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <lodestar/gpu/buffer.hpp>
+
+#include <algorithm>
+
+namespace lodestar::gpu {
+
+Buffer::Buffer(const Device& owner, std::string name, std::uint64_t bytes, Residence residence)
+    : device(&owner), size(std::max<std::uint64_t>(bytes, 16)) {
+    using Usage = vk::BufferUsageFlagBits;
+    buffer = vk::raii::Buffer(
+        owner.vk(), vk::BufferCreateInfo{.size = size,
+                                         .usage = Usage::eStorageBuffer | Usage::eUniformBuffer |
+                                                  Usage::eIndexBuffer | Usage::eIndirectBuffer |
+                                                  Usage::eTransferSrc | Usage::eTransferDst});
+    using Memory = vk::MemoryPropertyFlagBits;
+    const bool map = residence == Residence::mapped;
+    const vk::MemoryPropertyFlags flags =
+        map ? Memory::eHostVisible | Memory::eHostCoherent : Memory::eDeviceLocal;
+    memory = owner.allocate(buffer.getMemoryRequirements(), flags, name);
+    buffer.bindMemory(*memory, 0);
+    owner.name(buffer, name);
+    if (map) pointer = memory.mapMemory(0, VK_WHOLE_SIZE);
+}
+
+Buffer::~Buffer() {
+    if (*memory) device->release(memory);
+}
+
+Buffer& Buffer::operator=(Buffer&& other) {
+    if (*memory) device->release(memory);
+    device = other.device;
+    buffer = std::move(other.buffer);
+    memory = std::move(other.memory);
+    size = other.size;
+    pointer = other.pointer;
+    return *this;
+}
+
+void Buffer::upload(std::span<const std::byte> data) {
+    if (data.size() > size) throw std::invalid_argument("Buffer::upload: data larger than buffer");
+    if (data.empty()) return;
+    if (pointer) {
+        std::memcpy(pointer, data.data(), data.size());
+        return;
+    }
+    const Buffer staging(*device, "upload", data.size(), Residence::mapped);
+    std::memcpy(staging.pointer, data.data(), data.size());
+    device->runNow([&](const vk::raii::CommandBuffer& commands) {
+        commands.copyBuffer(staging.vk(), vk(), vk::BufferCopy{.size = data.size()});
+    });
+}
+
+}  // namespace lodestar::gpu

@@ -1,0 +1,111 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <chrono>
+#include <optional>
+
+#include <lodestar/gpu/kernel.hpp>
+#include <lodestar/gpu/raster.hpp>
+
+namespace lodestar::gpu {
+
+/// Where work happens, for barriers between passes.
+enum class Stage { compute, raster, indirect, transfer, host };
+
+struct PassTime {
+    std::string name;
+    double ms = 0;
+};
+
+struct FrameTimes {
+    double gpuMs = 0;   ///< first to last timestamp; wall time where the queue has no timestamps
+    double wallMs = 0;  ///< submission to completion, on the CPU's clock
+    std::vector<PassTime> passes;
+};
+
+/// Records one frame at a time: passes with a debug label and a GPU timestamp each, dispatches,
+/// draws, barriers. One frame in flight: submit() waits.
+class Recorder {
+public:
+    explicit Recorder(const Device&);
+
+    void begin();
+    /// Submits what was recorded since begin(), waits for it, and says what it cost.
+    /// Throws vk::DeviceLostError and the like.
+    FrameTimes submit();
+
+    /// An open pass: from here to the end of the scope.
+    class Pass {
+    public:
+        ~Pass();
+        Pass(const Pass&) = delete;
+        Pass& operator=(const Pass&) = delete;
+
+    private:
+        friend class Recorder;
+        explicit Pass(Recorder& r) : recorder(&r) {}
+        Recorder* recorder;
+    };
+    /// Every record() of a pass opens with this. Passes do not nest.
+    [[nodiscard]] Pass pass(const std::string& name);
+
+    /// Everything written by `from` becomes visible to `to`.
+    void barrier(Stage from, Stage to);
+
+    template <typename Params>
+    void dispatch(const Kernel& kernel, vk::Extent3D groups, const std::vector<Binding>& bindings,
+                  const Params& params) {
+        dispatchBytes(kernel, groups, bindings, std::as_bytes(std::span(&params, 1)));
+    }
+    void dispatch(const Kernel& kernel, vk::Extent3D groups, const std::vector<Binding>& bindings) {
+        dispatchBytes(kernel, groups, bindings, {});
+    }
+
+    struct Target {
+        std::vector<View> colors;  ///< cleared to 0
+        View depth;                ///< cleared to 0, the far end of reversed depth
+    };
+    void beginRendering(const Target&);
+    void endRendering();
+    template <typename Params>
+    void drawIndexedIndirect(const RasterPipeline& pipeline, const Buffer& indices,
+                             const Buffer& commands, std::uint64_t offset,
+                             const std::vector<Binding>& bindings, const Params& params) {
+        drawBytes(pipeline, indices, commands, offset, bindings,
+                  std::as_bytes(std::span(&params, 1)));
+    }
+
+    void fill(const Buffer&, std::uint32_t value);
+    void copy(const Buffer& from, const Buffer& to, std::uint64_t bytes);
+
+    const vk::raii::CommandBuffer& vk() const { return commands; }
+    const Device& device() const { return *owner; }
+
+private:
+    void dispatchBytes(const Kernel&, vk::Extent3D, const std::vector<Binding>&,
+                       std::span<const std::byte>);
+    void drawBytes(const RasterPipeline&, const Buffer&, const Buffer&, std::uint64_t,
+                   const std::vector<Binding>&, std::span<const std::byte>);
+    void timestamp(vk::PipelineStageFlagBits2);
+    void endPass();
+
+    const Device* owner;
+    vk::raii::CommandPool pool;
+    vk::raii::CommandBuffer commands{nullptr};
+    vk::raii::Fence fence;
+    vk::raii::QueryPool queries{nullptr};
+    std::vector<std::string> names;
+    std::uint32_t queryCount = 0;
+    bool passOpen = false;
+};
+
+/// Workgroups of `local` threads that cover `size` threads.
+inline std::uint32_t groups(std::uint32_t size, std::uint32_t local) {
+    return (size + local - 1) / local;
+}
+/// 8×8 workgroups over an image.
+inline vk::Extent3D groups8x8(vk::Extent2D extent) {
+    return {groups(extent.width, 8), groups(extent.height, 8), 1};
+}
+
+}  // namespace lodestar::gpu

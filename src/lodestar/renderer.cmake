@@ -1,0 +1,22 @@
+# SPDX-License-Identifier: Apache-2.0
+# The parts that need Vulkan.
+find_package(Vulkan REQUIRED)
+include(shaders)
+
+add_library(lodestar STATIC
+    gpu/buffer.cpp
+    gpu/device.cpp
+    gpu/image.cpp
+    gpu/kernel.cpp
+    gpu/prefix_sum.cpp
+    gpu/raster.cpp
+    gpu/readback.cpp
+    gpu/recorder.cpp
+)
+add_library(lodestar::lodestar ALIAS lodestar)
+target_link_libraries(lodestar PUBLIC lodestar_cpu Vulkan::Vulkan PRIVATE lodestar_flags)
+# vulkan_raii.hpp costs seconds a file; every Vulkan target reuses this one.
+target_precompile_headers(lodestar PUBLIC gpu/vulkan.hpp)
+lodestar_shaders(lodestar
+    gpu/prefix_sum.comp
+)
