@@ -12,6 +12,17 @@ add_library(lodestar STATIC
     gpu/raster.cpp
     gpu/readback.cpp
     gpu/recorder.cpp
+    scene/gpu_scene.cpp
+    geometry/cull.cpp
+    visibility/capture_ss.cpp
+    visibility/rebuild.cpp
+    shading/coarse.cpp
+    shading/combine.cpp
+    shading/sky.cpp
+    shading/sun_shadow.cpp
+    upsample/upsample.cpp
+    post/tonemap.cpp
+    frame/frame.cpp
 )
 add_library(lodestar::lodestar ALIAS lodestar)
 target_link_libraries(lodestar PUBLIC lodestar_cpu Vulkan::Vulkan PRIVATE lodestar_flags)
@@ -19,4 +30,13 @@ target_link_libraries(lodestar PUBLIC lodestar_cpu Vulkan::Vulkan PRIVATE lodest
 target_precompile_headers(lodestar PUBLIC gpu/vulkan.hpp)
 lodestar_shaders(lodestar
     gpu/prefix_sum.comp
+    geometry/cull.comp
+    geometry/emit.comp
+    visibility/capture_ss.vert
+    visibility/capture_ss.frag
+    visibility/rebuild.comp
+    shading/coarse.comp
+    shading/combine.comp
+    upsample/upsample.comp
+    post/tonemap.comp
 )

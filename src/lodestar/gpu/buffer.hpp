@@ -36,6 +36,11 @@ public:
     /// Copies `data` to the start and waits. For set-up, not for frames. Throws
     /// std::invalid_argument when it does not fit.
     void upload(std::span<const std::byte> data);
+    template <typename T>
+    void upload(const std::vector<T>& values) {
+        static_assert(std::is_trivially_copyable_v<T>);
+        upload(std::as_bytes(std::span(values)));
+    }
 
 private:
     const Device* device;
@@ -48,9 +53,8 @@ private:
 /// A device buffer that holds `values`.
 template <typename T>
 Buffer makeBuffer(const Device& device, std::string name, const std::vector<T>& values) {
-    static_assert(std::is_trivially_copyable_v<T>);
     Buffer buffer(device, std::move(name), values.size() * sizeof(T));
-    buffer.upload(std::as_bytes(std::span(values)));
+    buffer.upload(values);
     return buffer;
 }
 

@@ -1,0 +1,80 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+
+#include <lodestar/budget/levers.hpp>
+#include <lodestar/geometry/cull.hpp>
+#include <lodestar/post/tonemap.hpp>
+#include <lodestar/scene/camera.hpp>
+#include <lodestar/shading/coarse.hpp>
+#include <lodestar/shading/combine.hpp>
+#include <lodestar/shading/sky.hpp>
+#include <lodestar/shading/sun_shadow.hpp>
+#include <lodestar/upsample/upsample.hpp>
+#include <lodestar/visibility/capture_ss.hpp>
+#include <lodestar/visibility/rebuild.hpp>
+
+namespace lodestar::frame {
+
+/// What stays the same from frame to frame. What a budget may change is in budget::Levers.
+struct FrameSettings {
+    vk::Extent2D size{1280, 720};
+    glm::vec3 toSun{0.5f, 0.8f, 0.35f};
+    std::uint32_t shadowTaps = 9;        ///< N of the N×N PCF; 0 = no shadow
+    std::uint32_t shadowMapSize = 2048;  ///< texels a side
+    float shadowDistance = 0;            ///< how far shadows are drawn [scene units]; 0 = chosen
+    float exposure = 1;
+    upsample::Reconstruct reconstruct = upsample::Reconstruct::bilateral;
+    upsample::Sigmas sigmas;
+};
+
+/// The whole frame: owns the targets, composes the passes.
+class Frame {
+public:
+    /// Throws std::invalid_argument for settings out of range.
+    Frame(const gpu::Device&, const scene::GpuScene&, const FrameSettings&);
+
+    /// Renders one picture and waits for it.
+    gpu::FrameTimes render(const scene::Camera&, const budget::Levers&);
+
+    /// The last picture: RGBA8, sRGB-encoded.
+    const gpu::Image& display() const { return displayImage; }
+    const gpu::Image& radiance() const { return radianceImage; }
+    const gpu::Image& ids() const { return idImage; }
+    const visibility::Surface& surface() const { return surfaces; }
+    /// RGBA16_SFLOAT: sky irradiance rgb, share of the sun seen.
+    const gpu::Image& terms() const { return termImage; }
+    const geometry::DrawList& drawList() const { return eyeList; }
+    const FrameSettings& settings() const { return options; }
+
+private:
+    void drawShadowMap(gpu::Recorder&, const scene::Camera&);
+    void writeUniforms(const scene::Camera&);
+
+    const gpu::Device* device;
+    const scene::GpuScene* scene;
+    FrameSettings options;
+    shading::Sky sky;
+    float aspect;
+
+    geometry::Cull cull;
+    visibility::CaptureSs capture, shadowCapture;
+    visibility::Rebuild rebuild;
+    shading::Coarse coarse;
+    upsample::Upsample upsample;
+    shading::Combine combine;
+    post::Tonemap tonemap;
+
+    geometry::DrawList eyeList, sunList;
+    gpu::Buffer viewBuffer, lightBuffer;
+    gpu::Image idImage, depthBuffer, shadowMap, skyImage, coarseImage, termImage, radianceImage,
+        displayImage;
+    visibility::Surface surfaces;
+
+    shading::SunView sun;
+    std::optional<std::uint64_t> shadowVersion;  ///< of the scene the shadow map was drawn from
+    gpu::Recorder rec;
+};
+
+}  // namespace lodestar::frame

@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: Apache-2.0
+#version 460
+#include "../scene/scene.glsl"
+#include "cull_params.h"
+
+// One thread a cluster: how many triangles of it to draw, 0 when its bounding sphere is outside the
+// view or its normal cone faces away.
+layout(local_size_x = 64) in;
+
+layout(binding = 6, scalar) writeonly buffer Counts { uint counts[]; };
+layout(push_constant, scalar) uniform Push { CullParams params; };
+
+void main() {
+    const uint index = gl_GlobalInvocationID.x;
+    if (index > params.clusterCount) return;
+    if (index == 0 || index == params.clusterCount) {  // the unused one, and the total's place
+        counts[index] = 0;
+        return;
+    }
+    const GpuCluster cluster = sceneClusters[index];
+    const GpuMeshlet meshlet = sceneMeshlets[cluster.meshlet];
+    const GpuInstance instance = sceneInstances[cluster.instance];
+    const vec3 centre = transformPoint(instance, meshlet.centre);
+    const float radius = meshlet.radius * instance.maxScale;
+
+    bool visible = true;
+    for (int i = 0; i < 5; ++i)
+        visible = visible && dot(params.planes[i], vec4(centre, 1)) >= -radius;
+
+    const uint coneNeeds = LS_INSTANCE_CONE_VALID;
+    if (params.useCones != 0 && meshlet.coneCutoff < 1 &&
+        (instance.flags & (coneNeeds | LS_INSTANCE_REFLECTED)) == coneNeeds) {
+        const vec3 axis = normalize(transformDirection(instance, meshlet.coneAxis));
+        const vec3 away = centre - params.eye;
+        if (dot(away, axis) >= meshlet.coneCutoff * length(away) + radius) visible = false;
+    }
+    counts[index] = visible ? meshlet.counts >> 8 : 0;
+}

@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <lodestar/gpu/recorder.hpp>
+
+namespace lodestar::post {
+
+/// Linear radiance → sRGB-encoded picture, by the ACES filmic curve.
+class Tonemap {
+public:
+    explicit Tonemap(const gpu::Device&);
+
+    /// Writes every texel of `display` (RGBA8_UNORM, sRGB-encoded). `exposure` multiplies radiance.
+    void record(gpu::Recorder&, gpu::View radiance, float exposure, gpu::View display) const;
+
+private:
+    vk::raii::Sampler pointSampler;
+    gpu::Kernel kernel;
+};
+
+}  // namespace lodestar::post

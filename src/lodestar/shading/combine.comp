@@ -1,0 +1,94 @@
+// SPDX-License-Identifier: Apache-2.0
+#version 460
+#include "../visibility/view_params.h"
+#include "../scene/gpu_types.h"
+#include "brdf.glsl"
+#include "sky.glsl"
+
+// The cheap, detailed shading at full resolution, joined with the reconstructed terms: one thread a
+// pixel of grid O.
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(constant_id = 0) const uint kEmissive = 1;
+layout(constant_id = 1) const uint kUnlit = 1;
+
+layout(binding = 0, scalar) uniform View { ViewParams view; };
+layout(binding = 1, scalar) uniform Light { LightParams light; };
+layout(binding = 2) uniform sampler2D surfaceDepth;
+layout(binding = 3) uniform usampler2D surfaceMaterial;
+layout(binding = 4) uniform sampler2D surfaceEmissive;
+layout(binding = 5) uniform sampler2D terms;  // sky irradiance rgb, sun visibility
+layout(binding = 6) uniform sampler2D sky;
+layout(binding = 7, scalar) readonly buffer Lights { GpuLight lights[]; };
+layout(binding = 8, rgba16f) writeonly uniform image2D outRadiance;
+
+const float kSunCosine = 0.99996;  // half of its half-degree disc
+
+vec3 background(vec3 direction) {
+    const float disc = smoothstep(kSunCosine - 2e-5, kSunCosine, dot(direction, light.toSun));
+    return skyRadiance(sky, light.skyLevels, direction, 0) + disc * 40 * light.sunIlluminance;
+}
+
+/// Unshadowed point and spot lights, with the falloff of KHR_lights_punctual.
+vec3 punctual(Surface s, vec3 position) {
+    vec3 sum = vec3(0);
+    for (uint i = 0; i < light.lightCount; ++i) {
+        const GpuLight l = lights[i];
+        const vec3 to = l.position - position;
+        const float d2 = max(dot(to, to), 1e-8);
+        const vec3 direction = to * inversesqrt(d2);
+        float strength = 1 / d2;
+        if (l.range > 0) {
+            const float q = d2 / (l.range * l.range);
+            strength *= clamp(1 - q * q, 0, 1);
+        }
+        if (l.kind == 2) {
+            const float cone =
+                clamp(dot(l.direction, -direction) * l.coneScale + l.coneOffset, 0, 1);
+            strength *= cone * cone;
+        }
+        sum += reflected(s, direction) * l.color * strength;
+    }
+    return sum;
+}
+
+void main() {
+    const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    const ivec2 size = textureSize(surfaceDepth, 0);
+    if (any(greaterThanEqual(pixel, size))) return;
+
+    const vec2 ndc = (vec2(pixel) + 0.5) / vec2(size) * 2 - 1;
+    const vec3 ray = transpose(mat3(view.viewFromWorld)) * vec3(ndc / view.clipScale, -1);
+    const vec3 direction = normalize(ray);
+    const float depth = texelFetch(surfaceDepth, pixel, 0).x;
+    if (depth == 0) {
+        imageStore(outRadiance, pixel, vec4(background(direction), 1));
+        return;
+    }
+
+    const uvec4 material = texelFetch(surfaceMaterial, pixel, 0);
+    const vec4 albedo = unpackUnorm4x8(material.x);  // a: occlusion
+    const vec2 roughMetal = unpackUnorm4x8(material.y).xy;
+    const vec3 vertexNormal = unpackNormal(material.w);
+    const Surface s = makeSurface(albedo.rgb * albedo.rgb, roughMetal.x, roughMetal.y,
+                                  unpackNormal(material.z), -direction);
+    const vec4 term = texelFetch(terms, pixel, 0);
+
+    // The sky's irradiance was taken at the smooth vertex normal; what the normal map bends it by
+    // is its first-order change.
+    const vec3 bend = s.normal - vertexNormal;
+    const vec3 ambient =
+        max(term.rgb + light.irradianceSlope[0] * bend.x + light.irradianceSlope[1] * bend.y +
+                light.irradianceSlope[2] * bend.z,
+            vec3(0));
+    vec3 radiance = reflected(s, light.toSun) * light.sunIlluminance * term.a;
+    radiance += s.diffuse * ambient * (albedo.a / 3.14159265);
+    const vec3 mirror = reflect(direction, s.normal);
+    radiance += skyRadiance(sky, light.skyLevels, mirror, s.perceptualRoughness) *
+                environmentReflectance(s) * albedo.a;
+    if (light.lightCount > 0) radiance += punctual(s, view.eye + ray * depth);
+    if (kEmissive != 0) radiance += texelFetch(surfaceEmissive, pixel, 0).rgb;
+    if (kUnlit != 0 && (material.y >> 16 & LS_MATERIAL_UNLIT) != 0)
+        radiance = albedo.rgb * albedo.rgb / light.exposure;
+    imageStore(outRadiance, pixel, vec4(radiance, 1));
+}

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <lodestar/shading/combine.hpp>
+
+namespace lodestar::shading {
+namespace {
+
+constexpr std::uint32_t kCode[] =
+#include <lodestar/shading/combine.comp.inc>
+    ;
+
+using gpu::Slot;
+
+vk::raii::Sampler makeSkySampler(const gpu::Device& device) {
+    constexpr auto kClamp = vk::SamplerAddressMode::eClampToEdge;
+    return {device.vk(), vk::SamplerCreateInfo{.magFilter = vk::Filter::eLinear,
+                                               .minFilter = vk::Filter::eLinear,
+                                               .mipmapMode = vk::SamplerMipmapMode::eLinear,
+                                               .addressModeU = kClamp,
+                                               .addressModeV = kClamp,
+                                               .maxLod = VK_LOD_CLAMP_NONE}};
+}
+
+}  // namespace
+
+Combine::Combine(const gpu::Device& device, const scene::SceneFeatures& features)
+    : pointSampler(device.vk(), vk::SamplerCreateInfo{}),
+      skySampler(makeSkySampler(device)),
+      kernel(device, "combine", kCode,
+             {Slot::uniformBuffer, Slot::uniformBuffer, Slot::sampledImage, Slot::sampledImage,
+              Slot::sampledImage, Slot::sampledImage, Slot::sampledImage, Slot::storageBuffer,
+              Slot::storageImage},
+             0, {features.emissive, features.unlit}) {}
+
+void Combine::record(gpu::Recorder& rec, const Inputs& in, gpu::View radiance) const {
+    const auto pass = rec.pass("combine");
+    rec.dispatch(kernel, gpu::groups8x8(radiance.extent),
+                 {in.view,
+                  in.light,
+                  {in.depth, pointSampler},
+                  {in.material, pointSampler},
+                  {in.emissive, pointSampler},
+                  {in.terms, pointSampler},
+                  {in.sky, skySampler},
+                  in.lights,
+                  radiance});
+}
+
+}  // namespace lodestar::shading

@@ -1,0 +1,31 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <lodestar/gpu/recorder.hpp>
+#include <lodestar/scene/gpu_scene.hpp>
+
+namespace lodestar::shading {
+
+/// Shading at grid O: metallic-roughness under sun, sky and punctual lights, from rebuilt
+/// attributes and the reconstructed coarse terms; the sky where there is no surface.
+class Combine {
+public:
+    Combine(const gpu::Device&, const scene::SceneFeatures&);
+
+    struct Inputs {
+        const gpu::Buffer& view;    ///< shared::ViewParams
+        const gpu::Buffer& light;   ///< shared::LightParams
+        gpu::View depth, material, emissive;  ///< visibility::Surface
+        gpu::View terms;            ///< RGBA16_SFLOAT: sky irradiance rgb, sun visibility
+        gpu::View sky;              ///< octahedral radiance, a mip level per step of roughness
+        const gpu::Buffer& lights;  ///< shared::GpuLight
+    };
+    /// Writes linear radiance to every texel of `radiance` (RGBA16_SFLOAT).
+    void record(gpu::Recorder&, const Inputs&, gpu::View radiance) const;
+
+private:
+    vk::raii::Sampler pointSampler, skySampler;
+    gpu::Kernel kernel;
+};
+
+}  // namespace lodestar::shading

@@ -1,0 +1,28 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <array>
+#include <string_view>
+
+namespace lodestar::upsample {
+
+/// How grid O is made from grid S: a domain filter f, and whether depth and normal guide it.
+enum class Reconstruct {
+    bilateral,    ///< tent over the 2×2 nearest, guided: the paper's filter
+    bilinear,     ///< the same tent, not guided: conventional resizing
+    biquadratic,  ///< quadratic B-spline over 3×3, guided
+    bicubic,      ///< cubic B-spline over 4×4, guided
+    gaussian,     ///< Gaussian (σ = 0.7 texels of S) over 4×4, guided
+    nearest,      ///< the nearest texel, not guided
+};
+
+inline constexpr std::array<std::string_view, 6> kReconstructNames{
+    "bilateral", "bilinear", "biquadratic", "bicubic", "gaussian", "nearest"};
+
+/// Widths of the range filters: how unlike a tap may be. Both scale-free; infinity switches one off.
+struct Sigmas {
+    float z = 0.02f;  ///< of the depth difference relative to the pixel's own depth
+    float n = 0.4f;   ///< of the difference of foreshortened normals (nx/nz, ny/nz, 1)
+};
+
+}  // namespace lodestar::upsample

@@ -1,0 +1,95 @@
+// SPDX-License-Identifier: Apache-2.0
+#version 460
+#include "../shared/octahedral.h"
+#include "coarse_texel.glsl"
+#include "upsample_params.h"
+
+// Joint bilateral upsampling (Yang, Sander, Lawrence 2008, eq. 1), one thread a pixel of O.
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(constant_id = 0) const uint kDomain = LS_DOMAIN_TENT;
+layout(constant_id = 1) const uint kRange = 1;  // 0: σn = σz = ∞, the plain domain filter
+
+layout(binding = 0) uniform usampler2D coarse;
+layout(binding = 1) uniform sampler2D depth;
+layout(binding = 2) uniform usampler2D normal;
+layout(binding = 3, rgba16f) writeonly uniform image2D terms;
+layout(push_constant, scalar) uniform Push { UpsampleParams params; };
+
+const int kTaps = kDomain == LS_DOMAIN_NEAREST     ? 1
+                  : kDomain == LS_DOMAIN_TENT      ? 2
+                  : kDomain == LS_DOMAIN_QUADRATIC ? 3
+                                                   : 4;
+
+/// Weights of the taps along one axis. `f` is where the pixel lies between the taps: for an even
+/// number of taps its distance past the middle-left one (0 … 1), for three taps its distance from
+/// the middle one (−½ … ½).
+void domainWeights(float f, out float w[4]) {
+    w = float[4](1, 0, 0, 0);
+    if (kDomain == LS_DOMAIN_TENT) {
+        w[0] = 1 - f;
+        w[1] = f;
+    } else if (kDomain == LS_DOMAIN_QUADRATIC) {
+        w[0] = 0.5 * (0.5 - f) * (0.5 - f);
+        w[1] = 0.75 - f * f;
+        w[2] = 0.5 * (0.5 + f) * (0.5 + f);
+    } else if (kDomain == LS_DOMAIN_CUBIC) {
+        const float g = 1 - f;
+        w[0] = g * g * g / 6;
+        w[1] = (4 - 6 * f * f + 3 * f * f * f) / 6;
+        w[2] = (4 - 6 * g * g + 3 * g * g * g) / 6;
+        w[3] = f * f * f / 6;
+    } else if (kDomain == LS_DOMAIN_GAUSSIAN) {
+        for (int i = 0; i < 4; ++i) {
+            const float d = float(i - 1) - f;
+            w[i] = exp(-d * d / (2 * 0.7 * 0.7));
+        }
+    }
+}
+
+void main() {
+    const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    const ivec2 fullSize = textureSize(depth, 0);
+    if (any(greaterThanEqual(pixel, fullSize))) return;
+
+    // x̂: the pixel's centre in texels of S, texel centres at integers.
+    const vec2 at = (vec2(pixel) + 0.5) * params.inverseRate - 0.5;
+    const bool odd = (kTaps & 1) == 1;
+    const vec2 anchor = floor(odd ? at + 0.5 : at);
+    const ivec2 first = ivec2(anchor) - (kTaps - 1) / 2;
+    float wx[4], wy[4];
+    domainWeights(at.x - anchor.x, wx);
+    domainWeights(at.y - anchor.y, wy);
+
+    const float z = texelFetch(depth, pixel, 0).x;
+    const vec2 n = foreshortened(unpackNormal(texelFetch(normal, pixel, 0).x));
+    const float perZ = z > 0 ? 1 / z : 0;
+    const ivec2 last = ivec2(params.size) - 1;
+
+    // The range weights are exp2(−e). All e are taken relative to the least, which changes nothing
+    // in the quotient but keeps it defined where every tap is unlike the pixel.
+    uvec4 taps[16];
+    float e[16];
+    float least = 3e38;
+    for (int j = 0; j < kTaps * kTaps; ++j) {
+        const ivec2 tap = clamp(first + ivec2(j % kTaps, j / kTaps), ivec2(0), last);
+        taps[j] = texelFetch(coarse, tap, 0);
+        e[j] = 0;
+        if (kRange != 0) {
+            const float dz = (z - coarseDepth(taps[j])) * perZ;
+            const vec2 dn = n - coarseNormal(taps[j]);
+            e[j] = params.depthFalloff * dz * dz + params.normalFalloff * dot(dn, dn);
+            // A tap of no domain weight must not set the scale.
+            if (wx[j % kTaps] * wy[j / kTaps] > 1e-4) least = min(least, e[j]);
+        }
+    }
+    vec4 sum = vec4(0);
+    float weights = 0;
+    for (int j = 0; j < kTaps * kTaps; ++j) {
+        float w = wx[j % kTaps] * wy[j / kTaps];
+        if (kRange != 0) w *= exp2(max(least - e[j], -126.0));
+        sum += w * coarseTerms(taps[j]);
+        weights += w;
+    }
+    imageStore(terms, pixel, sum / weights);
+}

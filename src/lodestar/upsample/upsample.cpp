@@ -1,0 +1,72 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include <lodestar/upsample/upsample.hpp>
+#include <lodestar/upsample/upsample_params.h>
+
+namespace lodestar::upsample {
+namespace {
+
+constexpr std::uint32_t kCode[] =
+#include <lodestar/upsample/upsample.comp.inc>
+    ;
+
+using gpu::Slot;
+
+std::uint32_t domainOf(Reconstruct kind) {
+    switch (kind) {
+        case Reconstruct::nearest: return shared::LS_DOMAIN_NEAREST;
+        case Reconstruct::bilateral:
+        case Reconstruct::bilinear: return shared::LS_DOMAIN_TENT;
+        case Reconstruct::biquadratic: return shared::LS_DOMAIN_QUADRATIC;
+        case Reconstruct::bicubic: return shared::LS_DOMAIN_CUBIC;
+        case Reconstruct::gaussian: return shared::LS_DOMAIN_GAUSSIAN;
+    }
+    throw std::invalid_argument("Reconstruct");
+}
+
+bool isGuided(Reconstruct kind) {
+    return kind != Reconstruct::bilinear && kind != Reconstruct::nearest;
+}
+
+gpu::Kernel makeKernel(const gpu::Device& device, Reconstruct kind, bool guided) {
+    return {device,
+            "upsample",
+            kCode,
+            {Slot::sampledImage, Slot::sampledImage, Slot::sampledImage, Slot::storageImage},
+            sizeof(shared::UpsampleParams),
+            {domainOf(kind), guided}};
+}
+
+/// exp(−d²/2σ²) = exp2(−falloff · d²).
+float falloff(float sigma, const char* name) {
+    if (!(sigma > 0)) throw std::invalid_argument(std::string("Sigmas::") + name + " must be > 0");
+    return std::isinf(sigma) ? 0.0f : 1.44269504f / (2 * sigma * sigma);
+}
+
+}  // namespace
+
+Upsample::Upsample(const gpu::Device& device, Reconstruct kind)
+    : reconstruct(kind),
+      pointSampler(device.vk(), vk::SamplerCreateInfo{}),
+      guided(makeKernel(device, kind, isGuided(kind))),
+      plain(makeKernel(device, kind, false)) {}
+
+void Upsample::record(gpu::Recorder& rec, const Inputs& in, const Sigmas& sigmas,
+                      gpu::View terms) const {
+    if (!(in.rate >= 1)) throw std::invalid_argument("Upsample::Inputs::rate must be at least 1");
+    const shared::UpsampleParams params{.size = {in.size.width, in.size.height},
+                                        .inverseRate = 1 / in.rate,
+                                        .depthFalloff = falloff(sigmas.z, "z"),
+                                        .normalFalloff = falloff(sigmas.n, "n")};
+    const bool flat = params.depthFalloff == 0 && params.normalFalloff == 0;
+    const auto pass = rec.pass("upsample");
+    rec.dispatch(flat ? plain : guided, gpu::groups8x8(in.depth.extent),
+                 {{in.coarse, pointSampler},
+                  {in.depth, pointSampler},
+                  {in.normal, pointSampler},
+                  terms},
+                 params);
+}
+
+}  // namespace lodestar::upsample

@@ -1,0 +1,35 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <lodestar/geometry/cull.hpp>
+
+namespace lodestar::visibility {
+
+/// Captures visibility with the raster pipeline, one sample a pixel of the target: which triangle
+/// (geometry's id, 0 = background) and at which depth. Alpha-masked surfaces are tested in place.
+class CaptureSs {
+public:
+    enum class Writes { idsAndDepth, depthOnly };
+
+    /// `depthOnly` also keeps what lies before the near plane, clamped to it: for shadow maps.
+    CaptureSs(const gpu::Device&, const scene::SceneFeatures&, Writes = Writes::idsAndDepth);
+
+    struct Target {
+        gpu::View ids;    ///< R32_UINT, color attachment; unused by depthOnly
+        gpu::View depth;  ///< D32_SFLOAT, reversed
+    };
+    /// Clears the target and draws `list`, whose contents the caller has made visible to raster and
+    /// indirect.
+    void record(gpu::Recorder&, const scene::GpuScene&, const geometry::DrawList& list,
+                const glm::mat4& clipFromWorld, const Target&, const std::string& name) const;
+
+private:
+    Writes writes;
+    vk::raii::Sampler sampler;
+    std::vector<gpu::RasterPipeline> pipelines;  ///< one for each scene::DrawBin
+};
+
+/// Trilinear, repeating: how scene textures are read (anisotropic on hardware that has it).
+vk::raii::Sampler makeTextureSampler(const gpu::Device&);
+
+}  // namespace lodestar::visibility

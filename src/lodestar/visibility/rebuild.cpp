@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <lodestar/scene/scene_bindings.hpp>
+#include <lodestar/visibility/capture_ss.hpp>
+#include <lodestar/visibility/rebuild.hpp>
+
+namespace lodestar::visibility {
+namespace {
+
+constexpr std::uint32_t kCode[] =
+#include <lodestar/visibility/rebuild.comp.inc>
+    ;
+
+using gpu::Slot;
+
+gpu::Image surfaceImage(const gpu::Device& device, vk::Extent2D extent, vk::Format format,
+                        const char* name) {
+    using Usage = vk::ImageUsageFlagBits;
+    return {device, {.name = name,
+                     .format = format,
+                     .extent = extent,
+                     .usage = Usage::eStorage | Usage::eSampled | Usage::eTransferSrc}};
+}
+
+gpu::Specialization constants(const scene::SceneFeatures& f) {
+    const bool shared = f.occlusionMaps && f.metallicRoughnessMaps &&
+                        f.occlusionSharesMetallicRoughness;
+    return {f.textureArrays,           f.uvTransforms,
+            f.normalMaps,              f.metallicRoughnessMaps,
+            f.occlusionMaps && !shared, shared,
+            f.emissive,                f.emissiveMaps};
+}
+
+}  // namespace
+
+Surface::Surface(const gpu::Device& device, vk::Extent2D extent)
+    : depth(surfaceImage(device, extent, vk::Format::eR32Sfloat, "surface: depth")),
+      normal(surfaceImage(device, extent, vk::Format::eR32Uint, "surface: normal")),
+      material(surfaceImage(device, extent, vk::Format::eR32G32B32A32Uint, "surface: material")),
+      emissive(surfaceImage(device, extent, vk::Format::eR16G16B16A16Sfloat, "surface: emissive")) {
+}
+
+Rebuild::Rebuild(const gpu::Device& device, const scene::SceneFeatures& features)
+    : textureSampler(makeTextureSampler(device)),
+      pointSampler(device.vk(), vk::SamplerCreateInfo{}),
+      kernel(device, "rebuild", kCode,
+             scene::withSceneSlots({Slot::uniformBuffer, Slot::sampledImage, Slot::storageImage,
+                                    Slot::storageImage, Slot::storageImage, Slot::storageImage,
+                                    Slot::storageBuffer,
+                                    {Slot::sampledImage, shared::LS_TEXTURE_ARRAYS}}),
+             0, constants(features)) {}
+
+void Rebuild::record(gpu::Recorder& rec, const scene::GpuScene& scene, const Inputs& in,
+                     const Surface& out) const {
+    const auto pass = rec.pass("rebuild");
+    rec.dispatch(kernel, gpu::groups8x8(in.ids.extent),
+                 scene::withScene(scene, {in.view,
+                                          {in.ids, pointSampler},
+                                          out.depth,
+                                          out.normal,
+                                          out.material,
+                                          out.emissive,
+                                          scene.materials,
+                                          {scene.textureViews(), textureSampler}}));
+}
+
+}  // namespace lodestar::visibility

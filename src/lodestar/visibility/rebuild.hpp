@@ -1,0 +1,39 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <lodestar/gpu/recorder.hpp>
+#include <lodestar/scene/gpu_scene.hpp>
+
+namespace lodestar::visibility {
+
+/// The attributes of the visible surface at every pixel of a grid.
+struct Surface {
+    Surface(const gpu::Device&, vk::Extent2D);
+
+    gpu::Image depth;     ///< R32_SFLOAT: linear view depth [scene units]; 0 = background
+    gpu::Image normal;    ///< R32_UINT: vertex normal in view space, packNormal
+    gpu::Image material;  ///< RGBA32_UINT, see below; undefined on the background
+    gpu::Image emissive;  ///< RGBA16_SFLOAT, linear; written only for scenes that emit
+    // material.x: sqrt(albedo) rgb, occlusion (unorm 8)   .y: roughness, metallic (unorm 8), flags << 16
+    // material.z: shading normal, world, packNormal       .w: vertex normal, world, packNormal
+};
+
+/// Rebuilds surface attributes from triangle ids: barycentrics from homogeneous edge functions,
+/// texture gradients from their analytic derivatives (thesis §3.3, with the formulas of the design).
+class Rebuild {
+public:
+    Rebuild(const gpu::Device&, const scene::SceneFeatures&);
+
+    struct Inputs {
+        gpu::View ids;            ///< R32_UINT, sampled: geometry's triangle ids, 0 = background
+        const gpu::Buffer& view;  ///< shared::ViewParams
+    };
+    /// Writes every texel of `surface`, which has the size of `ids`.
+    void record(gpu::Recorder&, const scene::GpuScene&, const Inputs&, const Surface& surface) const;
+
+private:
+    vk::raii::Sampler textureSampler, pointSampler;
+    gpu::Kernel kernel;
+};
+
+}  // namespace lodestar::visibility
