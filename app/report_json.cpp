@@ -3,10 +3,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
-#include <system_error>
+#include <map>
 
 #include <lodestar/budget/trace.hpp>
+
+#include "app/whole_file.hpp"
 
 namespace lodestar::app {
 
@@ -78,34 +79,8 @@ Json toJson(const Report& report) {
 }
 
 Result<void> writeJson(const std::filesystem::path& file, const Json& json) {
-    const auto bad = [&](const std::string& why) {
-        return fail("cannot write '" + file.string() + "': " + why);
-    };
-    std::error_code error;
-    if (std::filesystem::is_directory(file, error)) return bad("it is a folder; name a file in it");
-    if (file.has_parent_path()) {
-        std::filesystem::create_directories(file.parent_path(), error);
-        if (error) return bad("its folder cannot be made (" + error.message() + ")");
-    }
-    std::filesystem::path partial = file;
-    partial += ".part";
-    {
-        std::ofstream out(partial, std::ios::binary);
-        // Names come from files, which may hold bytes that are no UTF-8.
-        out << json.dump(2, ' ', false, Json::error_handler_t::replace) << '\n';
-        out.close();
-        if (!out) {
-            std::filesystem::remove(partial, error);
-            return bad("check that the folder is writable and the disk is not full");
-        }
-    }
-    std::filesystem::rename(partial, file, error);
-    if (error) {
-        const std::string why = error.message();
-        std::filesystem::remove(partial, error);
-        return bad(why);
-    }
-    return {};
+    // Names come from files, which may hold bytes that are no UTF-8.
+    return writeWholeFile(file, json.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
 }
 
 }  // namespace lodestar::app

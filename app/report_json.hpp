@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -56,7 +55,7 @@ struct Report {
 
 Json toJson(const Report&);
 
-/// Writes `json` to `file`, which appears whole or not at all. Folders that are missing are made.
+/// Writes `json` to `file`, which appears whole or not at all.
 Result<void> writeJson(const std::filesystem::path& file, const Json& json);
 
 }  // namespace lodestar::app

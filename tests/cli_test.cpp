@@ -213,9 +213,9 @@ TEST(Report, passesAreSummarisedOverTheFramesThatRanThem) {
     EXPECT_EQ(passes[2].median, 9);
 }
 
-TEST(Report, jsonIsWrittenWholeIntoFoldersMadeForIt) {
+TEST(Report, jsonIsWrittenWholeOverAnOldFile) {
     const Folder folder;
-    const fs::path file = folder / "new/place/report.json";
+    const fs::path file = folder / "report.json";
     ASSERT_TRUE(writeJson(file, {{"name", "bytes \xff that are no UTF-8"}}));
     ASSERT_TRUE(writeJson(file, {{"a", 1}})) << "an old file is replaced";
     EXPECT_EQ(Json::parse(contents(file))["a"], 1);
@@ -225,7 +225,7 @@ TEST(Report, jsonIsWrittenWholeIntoFoldersMadeForIt) {
 TEST(Report, whatCannotBeWrittenIsNamed) {
     const Folder folder;
     std::ofstream(folder / "file") << "in the way";
-    for (const fs::path& file : {folder / "file/report.json", folder / "."}) {
+    for (const fs::path& file : {folder / "file/report.json", folder / "absent/report.json", folder / "."}) {
         const auto written = writeJson(file, Json::object());
         ASSERT_FALSE(written);
         EXPECT_NE(written.error().message.find(file.string()), std::string::npos);
