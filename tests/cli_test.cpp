@@ -225,7 +225,8 @@ TEST(Report, jsonIsWrittenWholeOverAnOldFile) {
 TEST(Report, whatCannotBeWrittenIsNamed) {
     const Folder folder;
     std::ofstream(folder / "file") << "in the way";
-    for (const fs::path& file : {folder / "file/report.json", folder / "absent/report.json", folder / "."}) {
+    for (const fs::path& file :
+         {folder / "file/report.json", folder / "absent/report.json", folder / "."}) {
         const auto written = writeJson(file, Json::object());
         ASSERT_FALSE(written);
         EXPECT_NE(written.error().message.find(file.string()), std::string::npos);
