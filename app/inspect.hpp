@@ -1,0 +1,42 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include <lodestar/scene/scene.hpp>
+#include <lodestar/scene/texture_arrays.hpp>
+
+#include "app/report_json.hpp"
+
+namespace lodestar::app {
+
+/// What there is in a scene and what it needs on the device.
+struct Inspection {
+    scene::TriangleCounts triangles;
+    std::uint64_t vertices = 0, meshletsStored = 0, meshletsDrawn = 0;
+    struct Materials {
+        std::size_t opaque = 0, mask = 0, blend = 0, doubleSided = 0, unlit = 0, textured = 0;
+    } materials;
+    struct Layers {
+        int width = 0, height = 0;
+        std::uint32_t layers = 0, mipLevels = 0;
+        scene::ColorSpace space = scene::ColorSpace::linear;
+        std::uint64_t bytes = 0;
+    };
+    std::vector<Layers> textureArrays;
+    scene::Bounds bounds;  ///< world space
+    /// An estimate: geometry as imported, textures as the arrays they are packed into.
+    std::vector<MemoryUse> memory;
+};
+
+/// `seconds` is the time of the animation at which the bounds are taken.
+Inspection inspectScene(const scene::Scene&, double seconds);
+
+/// Adds `lodestar inspect`.
+void addInspect(CLI::App&, int& exitCode);
+
+}  // namespace lodestar::app
