@@ -8,20 +8,14 @@
 #include <CLI/CLI.hpp>
 
 #include "app/cli.hpp"
+#include "app/compare.hpp"
 #include "app/console.hpp"
 #include "app/inspect.hpp"
+#ifdef LODESTAR_VULKAN
+#include <lodestar/gpu/device.hpp>
 
-#if __has_include("app/compare.hpp")
-#include "app/compare.hpp"
-#define LODESTAR_COMPARE
-#endif
-#if defined(LODESTAR_VULKAN) && __has_include("app/info.hpp")
 #include "app/info.hpp"
-#define LODESTAR_INFO
-#endif
-#if defined(LODESTAR_VULKAN) && __has_include("app/render.hpp")
 #include "app/render.hpp"
-#define LODESTAR_RENDER
 #endif
 
 namespace lodestar::app {
@@ -29,16 +23,14 @@ namespace lodestar::app {
 namespace {
 
 void addCommands(CLI::App& app, int& exitCode) {
-#ifdef LODESTAR_INFO
+#ifdef LODESTAR_VULKAN
     addInfo(app, exitCode);
 #endif
     addInspect(app, exitCode);
-#ifdef LODESTAR_RENDER
+#ifdef LODESTAR_VULKAN
     addRender(app, exitCode);
 #endif
-#ifdef LODESTAR_COMPARE
     addCompare(app, exitCode);
-#endif
     for (CLI::App* command : app.get_subcommands({})) command->group("Commands");
 }
 
@@ -66,16 +58,14 @@ int run(int argc, char** argv) {
     addCommands(app, exitCode);
     app.footer(
         "Examples:\n"
-#ifdef LODESTAR_RENDER
+#ifdef LODESTAR_VULKAN
         "  lodestar render model.glb --out frame.png\n"
         "  lodestar render model.glb --budget 50% --frames 120 --path orbit --reference --out "
         "f.png\n"
 #endif
         "  lodestar inspect model.glb\n"
         "  lodestar inspect builtin:\n"
-#ifdef LODESTAR_COMPARE
         "  lodestar compare reference.png test.png\n"
-#endif
         "\n`lodestar COMMAND --help` explains a command. Exit status: 0 done, 2 bad usage, 1 any "
         "other "
         "failure.");
@@ -105,6 +95,16 @@ int main(int argc, char** argv) {
         return run(argc, argv);
     } catch (const std::bad_alloc&) {
         printError("out of memory: try a smaller scene or --size, or close other programs");
+#ifdef LODESTAR_VULKAN
+    } catch (const vk::OutOfDeviceMemoryError&) {
+        printError("out of device memory: try a smaller scene, --size or --shadow-map");
+    } catch (const vk::OutOfHostMemoryError&) {
+        printError("out of memory: try a smaller scene or --size, or close other programs");
+    } catch (const vk::DeviceLostError&) {
+        printError(
+            "the device was lost: its driver gave up on a frame; try again with a smaller --size, "
+            "or another --device");
+#endif
     } catch (const std::exception& error) {
         printError(error.what());
     }

@@ -1,0 +1,70 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/budget_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <lodestar/budget/controllers.hpp>
+
+#include "app/console.hpp"
+
+namespace lodestar::app {
+
+Calibration calibrate(frame::Frame& frame, const scene::Camera& camera, int rounds) {
+    constexpr std::array kRates{1.0f, 2.0f, 4.0f};
+    std::array<std::vector<double>, kRates.size()> times;
+    Progress bar("calibrating", kRates.size() * static_cast<std::size_t>(rounds + 1));
+    std::size_t done = 0;
+    for (int round = -1; round < rounds; ++round)  // the first is the warm-up
+        for (std::size_t i = 0; i < kRates.size(); ++i) {
+            const double ms = frame.render(camera, {.shadingRate = kRates[i]}).gpuMs;
+            if (round >= 0) times[i].push_back(ms);
+            bar.update(++done);
+        }
+    return {budget::median(times[0]),
+            budget::fitCostModel(2, budget::median(times[1]), 4, budget::median(times[2]))};
+}
+
+Run renderRun(const Session& session, frame::Frame& frame, const scene::Camera& start,
+              const RunOptions& options,
+              const std::function<Result<void>(std::size_t)>& afterFrame, Result<void>& outcome) {
+    Run run;
+    budget::Levers levers{.shadingRate = options.shadingRate};
+    std::optional<budget::YangController> controller;
+    if (options.targetMs) {
+        budget::YangSettings settings{.targetMs = *options.targetMs,
+                                      .k = options.calibration.model.k};
+        const double rate = options.calibration.model.rateFor(*options.targetMs);
+        const double startRate =
+            *options.targetMs >= options.calibration.fullMs ? 1 : std::clamp(rate, 1.0, 8.0);
+        controller.emplace(settings, startRate);
+        levers.shadingRate = static_cast<float>(startRate);
+    }
+    Progress bar("rendering", options.frames);
+    std::size_t nextSample = 0;
+    for (std::size_t i = 0; i < options.frames; ++i) {
+        if (session.gpuScene->animated())
+            session.gpuScene->animate(static_cast<float>(static_cast<double>(i) / options.fps));
+        const scene::Camera camera = options.path.at(start, i, options.frames);
+        const budget::FrameCosts costs = costsOf(frame.render(camera, levers));
+        run.costs.push_back(costs);
+        run.lastRate = levers.shadingRate;
+        if (controller) {
+            run.trace.add({levers.shadingRate, costs.gpuMs, *options.targetMs});
+            levers = controller->next(costs);
+            run.saturated = controller->saturated();
+        }
+        // Samples: the last frame of each of `samples` equal parts of the run.
+        if (nextSample < options.samples &&
+            i + 1 == (nextSample + 1) * options.frames / options.samples) {
+            run.samples.push_back({i, camera, readDisplay(*session.device, frame)});
+            ++nextSample;
+        }
+        outcome = afterFrame(i);
+        if (!outcome) break;
+        bar.update(i + 1);
+    }
+    return run;
+}
+
+}  // namespace lodestar::app

@@ -1,0 +1,54 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include <lodestar/budget/budget.hpp>
+#include <lodestar/budget/cost_model.hpp>
+#include <lodestar/budget/trace.hpp>
+
+#include "app/camera_path.hpp"
+#include "app/session.hpp"
+
+namespace lodestar::app {
+
+/// What full quality costs from one camera, and what the shading rate does to it.
+struct Calibration {
+    double fullMs = 0;                 ///< median at r = 1
+    budget::CostModel model;           ///< through the medians at r = 2 and r = 4
+};
+
+/// Renders at r = 1, 2 and 4 in turn, `rounds` times after a warm-up.
+Calibration calibrate(frame::Frame&, const scene::Camera&, int rounds);
+
+/// A frame of a run kept for judging.
+struct Sample {
+    std::size_t index = 0;
+    scene::Camera camera;
+    quality::RgbImage picture;
+};
+
+struct Run {
+    std::vector<budget::FrameCosts> costs;
+    budget::Trace trace;  ///< filled when there is a budget
+    std::vector<Sample> samples;
+    float lastRate = 1;
+    bool saturated = false;  ///< the last frames missed the budget with r at its limit
+};
+
+struct RunOptions {
+    std::size_t frames = 1;
+    CameraPath path;
+    double fps = 60;                 ///< animation time advances by 1/fps a frame
+    float shadingRate = 1;           ///< where there is no budget
+    std::optional<double> targetMs;  ///< hold this frame time
+    Calibration calibration;         ///< used with a target
+    std::size_t samples = 0;         ///< pictures to keep, evenly over the run
+};
+
+/// Renders the frames; `afterFrame(i)` may read the picture back (its time does not count).
+Run renderRun(const Session&, frame::Frame&, const scene::Camera& start, const RunOptions&,
+              const std::function<Result<void>(std::size_t)>& afterFrame, Result<void>& outcome);
+
+}  // namespace lodestar::app

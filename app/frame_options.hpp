@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <CLI/CLI.hpp>
+
+#include <lodestar/frame/frame.hpp>
+
+#include "app/report_json.hpp"
+
+namespace lodestar::app {
+
+/// Adds the options that say how frames are rendered (terms, reconstruction, light), for render and
+/// bench. `settings` must outlive the parsing; its size is set by the view options.
+void addFrameOptions(CLI::App&, frame::FrameSettings& settings);
+
+/// The settings as used, for --json.
+Json settingsJson(const frame::FrameSettings&);
+
+std::string nameOf(upsample::Reconstruct);
+
+}  // namespace lodestar::app

@@ -1,0 +1,343 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/render.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include <fmt/format.h>
+
+#include <lodestar/gpu/readback.hpp>
+#include <lodestar/quality/metrics.hpp>
+
+#include "app/aov.hpp"
+#include "app/budget_run.hpp"
+#include "app/console.hpp"
+#include "app/frame_options.hpp"
+#include "app/image_io.hpp"
+#include "app/session.hpp"
+
+namespace lodestar::app {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Options {
+    std::string scene;
+    gpu::DeviceRequest device;
+    ViewOptions view;
+    frame::FrameSettings settings;
+    fs::path out, json;
+    std::size_t frames = 1;
+    CameraPath path;
+    double fps = 60;
+    std::optional<budget::Budget> budget;
+    std::string controller = "yang";
+    double shadingRate = 1;
+    std::vector<std::string> aovs;
+    bool reference = false;
+};
+
+/// Pictures of a run judged against full quality.
+struct Quality {
+    std::vector<QualityFigures> frames;
+    QualityFigures median;
+    double worstPsnrDb = 0;
+};
+
+/// `frame.png` with frame number 7 of a numbered run: `frame.0007.png`.
+fs::path numbered(const fs::path& out, std::size_t index) {
+    return fs::path(out).replace_extension(fmt::format("{:04}{}", index, out.extension().string()));
+}
+
+fs::path beside(const fs::path& out, const char* what) {
+    return fs::path(out).replace_extension(std::string(what) + out.extension().string());
+}
+
+QualityFigures judge(const quality::RgbImage& reference, const quality::RgbImage& test) {
+    const bool forSsim = reference.width >= 11 && reference.height >= 11;
+    return {quality::psnr(reference, test), forSsim ? quality::ssim(reference, test) : NAN,
+            quality::flip(reference, test)};
+}
+
+/// Renders each sample's camera at full quality and compares. The last one's full-quality picture
+/// and FLIP map are written beside the picture.
+Result<Quality> judgeRun(const Session& session, frame::Frame& frame, const Run& run,
+                         const Options& options) {
+    Quality quality;
+    std::vector<double> psnr, ssim, flip;
+    Progress bar("comparing with full quality", run.samples.size());
+    for (const Sample& sample : run.samples) {
+        if (session.gpuScene->animated())
+            session.gpuScene->animate(
+                static_cast<float>(static_cast<double>(sample.index) / options.fps));
+        frame.render(sample.camera, {});
+        const quality::RgbImage full = readDisplay(*session.device, frame);
+        const QualityFigures figures = judge(full, sample.picture);
+        quality.frames.push_back(figures);
+        psnr.push_back(figures.psnrDb);
+        ssim.push_back(figures.ssim);
+        flip.push_back(figures.flip);
+        bar.update(quality.frames.size());
+        if (&sample != &run.samples.back()) continue;
+        if (const auto written = writePng(beside(options.out, "reference"), full); !written)
+            return tl::unexpected(written.error());
+        const auto map = quality::falseColor(quality::flipMap(full, sample.picture));
+        if (const auto written = writePng(beside(options.out, "flip"), map); !written)
+            return tl::unexpected(written.error());
+    }
+    quality.median = {budget::median(psnr), budget::median(ssim), budget::median(flip)};
+    quality.worstPsnrDb = *std::min_element(psnr.begin(), psnr.end());
+    return quality;
+}
+
+std::string percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
+
+std::string db(double value) {
+    return std::isinf(value) ? "identical" : fmt::format("{:.1f} dB", value);
+}
+
+/// Triangles that the last frame drew, and instances and clusters of the scene.
+Json countsOf(const Session& session, const frame::Frame& frame) {
+    const scene::GpuScene& scene = *session.gpuScene;
+    const auto draws = gpu::as<vk::DrawIndexedIndirectCommand>(
+        gpu::readBuffer(*session.device, frame.drawList().draws,
+                        scene::kDrawBins * sizeof(vk::DrawIndexedIndirectCommand)));
+    std::uint64_t indices = 0;
+    for (const auto& draw : draws) indices += draw.indexCount;
+    return {{"instances_total", scene.instanceCount()},
+            {"clusters_total", scene.clusterCount() - 1},
+            {"triangles_total", scene.triangleCount()},
+            {"triangles_visible", indices / 3}};
+}
+
+void printPasses(const std::vector<PassTimes>& passes, double frameMs) {
+    Table table({{"pass"},
+                 {"median", Table::Align::right},
+                 {"min", Table::Align::right},
+                 {"max", Table::Align::right}});
+    for (const PassTimes& pass : passes)
+        table.row({pass.name, formatMs(pass.median), formatMs(pass.least), formatMs(pass.most)});
+    table.row({"frame", formatMs(frameMs), "", ""});
+    fmt::print("{}", table.text());
+}
+
+struct Outcome {
+    Calibration calibration;
+    std::optional<double> targetMs;
+    Run run;
+    double frameMs = 0;
+    std::optional<Quality> quality;
+};
+
+void printSummary(const Options& options, const Outcome& outcome) {
+    Table table({{""}, {""}, {""}});
+    if (outcome.targetMs) {
+        const budget::Trace& trace = outcome.run.trace;
+        const std::size_t settling = options.frames > 2 * budget::Trace::kSettling
+                                         ? budget::Trace::kSettling : 0;
+        table.row({"full quality", formatMs(outcome.calibration.fullMs), "from the first camera"});
+        table.row({"budget", formatMs(*outcome.targetMs),
+                   percent(*outcome.targetMs / outcome.calibration.fullMs) + " of full quality"});
+        table.row({"achieved", formatMs(trace.medianMs(settling)),
+                   fmt::format("median of {} frames, r = {:.2f}", options.frames,
+                               trace.medianRate(settling))});
+        table.row({"within 10 %", percent(trace.shareWithin(0.1, settling)),
+                   fmt::format("of the frames after the first {}", settling)});
+        table.row({"within 5 %", percent(trace.shareWithin(0.05, settling)), ""});
+        table.row({"r turns around in", percent(trace.turnShare(settling)), "of the frames"});
+    } else {
+        table.row({"frame", formatMs(outcome.frameMs),
+                   fmt::format("median of {}, r = {:.2f}", options.frames, options.shadingRate)});
+    }
+    if (outcome.quality) {
+        const Quality& q = *outcome.quality;
+        const std::string note = q.frames.size() == 1
+                                     ? "against full quality"
+                                     : fmt::format("median of {} frames against full quality, "
+                                                   "worst {}", q.frames.size(), db(q.worstPsnrDb));
+        table.row({"PSNR", db(q.median.psnrDb), note});
+        table.row({"SSIM", fmt::format("{:.4f}", q.median.ssim), "1 = identical"});
+        table.row({"FLIP", fmt::format("{:.4f}", q.median.flip), "0 = no visible difference"});
+    }
+    fmt::print("\n{}", table.text());
+    if (outcome.run.saturated)
+        fmt::print(
+            "note: r is at its limit and the budget is still missed: what costs here is not the "
+            "coarse shading; raise the budget or lower --size\n");
+}
+
+Result<void> writeReport(const Options& options, const Session& session, const Json& counts,
+                         const std::vector<PassTimes>& passes, const Outcome& outcome) {
+    Report report;
+    describeDevice(session, report);
+    report.settings = settingsJson(options.settings);
+    report.settings["shading_rate"] = options.shadingRate;
+    report.settings["frames"] = options.frames;
+    report.passes = passes;
+    report.frameMs = outcome.frameMs;
+    report.counts = counts;
+    if (outcome.quality) {
+        report.quality = outcome.quality->median;
+        Json frames = Json::array();
+        for (std::size_t i = 0; i < outcome.quality->frames.size(); ++i) {
+            const QualityFigures& q = outcome.quality->frames[i];
+            frames.push_back({{"frame", outcome.run.samples[i].index},
+                              {"psnr_db", std::isinf(q.psnrDb) ? Json() : Json(q.psnrDb)},
+                              {"ssim", q.ssim},
+                              {"flip_mean", q.flip}});
+        }
+        report.more["quality_frames"] = frames;
+    }
+    if (outcome.targetMs) {
+        const budget::Trace& trace = outcome.run.trace;
+        report.more["budget"] = {{"full_ms", outcome.calibration.fullMs},
+                                 {"target_ms", *outcome.targetMs},
+                                 {"achieved_ms", trace.medianMs()},
+                                 {"within_10_percent", trace.shareWithin(0.1)},
+                                 {"within_5_percent", trace.shareWithin(0.05)},
+                                 {"turn_share", trace.turnShare()},
+                                 {"k_ms", outcome.calibration.model.k},
+                                 {"c_ms", outcome.calibration.model.c}};
+        Json frames = Json::array();
+        for (const auto& f : trace.frames()) frames.push_back({{"r", f.rate}, {"ms", f.ms}});
+        report.more["frames"] = frames;
+    }
+    return writeJson(options.json, toJson(report));
+}
+
+Result<void> run(Options options) {
+    auto session = openSession(options.scene, options.device);
+    if (!session) return tl::unexpected(session.error());
+    const auto camera = resolveCamera(*session, options.view);
+    if (!camera) return tl::unexpected(camera.error());
+    options.settings.size = vk::Extent2D{static_cast<std::uint32_t>(options.view.size.width),
+                                         static_cast<std::uint32_t>(options.view.size.height)};
+    frame::Frame frame(*session->device, *session->gpuScene, options.settings);
+    fmt::print("{} at {}x{} on {}\n", printable(options.scene), options.view.size.width,
+               options.view.size.height, session->device->description().name);
+
+    RunOptions runOptions{.frames = options.frames,
+                          .path = options.path,
+                          .fps = options.fps,
+                          .shadingRate = static_cast<float>(options.shadingRate),
+                          .samples = options.reference ? std::min<std::size_t>(options.frames, 12) : 0};
+    Outcome outcome;
+    if (options.budget) {
+        outcome.calibration = calibrate(frame, options.path.at(*camera, 0, options.frames), 5);
+        runOptions.calibration = outcome.calibration;
+        outcome.targetMs = options.budget->targetMs(outcome.calibration.fullMs);
+        if (options.controller != "none") runOptions.targetMs = outcome.targetMs;
+    }
+
+    std::vector<fs::path> files;
+    const bool numberFrames = options.out.string().find('#') != std::string::npos;
+    fs::path out = options.out;
+    if (numberFrames) {
+        std::string name = options.out.string();
+        std::erase(name, '#');
+        out = name;
+        if (fs::path stem = out.stem(); stem.empty()) out = out.parent_path() / "frame.png";
+        options.out = out;
+    }
+    Json counts;
+    Result<void> written;
+    outcome.run = renderRun(
+        *session, frame, *camera, runOptions,
+        [&](std::size_t i) -> Result<void> {
+            const bool last = i + 1 == options.frames;
+            if (last) counts = countsOf(*session, frame);
+            if (!numberFrames && !last) return {};
+            const fs::path file = numberFrames ? numbered(out, i) : out;
+            if (last || files.empty()) files.push_back(file);
+            if (auto done = writePng(file, readDisplay(*session->device, frame)); !done) return done;
+            if (!last || options.aovs.empty()) return {};
+            auto aovs = writeAovs(*session->device, frame, options.aovs, out);
+            if (!aovs) return tl::unexpected(aovs.error());
+            files.insert(files.end(), aovs->begin(), aovs->end());
+            return {};
+        },
+        written);
+    if (!written) return written;
+    std::vector<double> frameTimes;
+    for (const auto& costs : outcome.run.costs) frameTimes.push_back(costs.gpuMs);
+    outcome.frameMs = budget::median(frameTimes);
+    if (options.reference) {
+        auto quality = judgeRun(*session, frame, outcome.run, options);
+        if (!quality) return tl::unexpected(quality.error());
+        outcome.quality = std::move(*quality);
+        files.push_back(beside(options.out, "reference"));
+        files.push_back(beside(options.out, "flip"));
+    }
+
+    const auto passes = summarisePasses(outcome.run.costs);
+    printPasses(passes, outcome.frameMs);
+    printSummary(options, outcome);
+    if (!options.json.empty()) {
+        if (auto done = writeReport(options, *session, counts, passes, outcome); !done) return done;
+        files.push_back(options.json);
+    }
+    for (const fs::path& file : files) fmt::print("wrote {}\n", file.string());
+    return {};
+}
+
+}  // namespace
+
+void addRender(CLI::App& app, int& exitCode) {
+    auto o = std::make_shared<Options>();
+    CLI::App* command = app.add_subcommand(
+        "render", "render one frame or a run of frames, at a fixed shading rate or inside a budget");
+    addSceneArgument(*command, o->scene);
+    command
+        ->add_option("--out", o->out,
+                     "the picture, a PNG; of a run the last frame, or all of them when the name "
+                     "holds a # for the number")
+        ->type_name("FILE")
+        ->required();
+    addViewOptions(*command, o->view);
+    command->add_option("--frames", o->frames, "frames to render")
+        ->type_name("N")
+        ->check(CLI::Range(1, 1000000))
+        ->capture_default_str()
+        ->group("Run");
+    addParsed(*command, "--path", o->path, parsePath,
+              "camera path: orbit[:DEGREES], dolly[:FRACTION] or a JSON file of cameras")
+        ->type_name("PATH")
+        ->group("Run");
+    command->add_option("--fps", o->fps, "frames a second of animation time")
+        ->check(CLI::PositiveNumber)
+        ->capture_default_str()
+        ->group("Run");
+    addParsed(
+        *command, "--budget", o->budget,
+        [](const std::string& text) { return budget::parseBudget(text); },
+        "hold this frame time: milliseconds, or a share of the full-quality frame")
+        ->type_name("16.6ms|40%")
+        ->group("Run");
+    command
+        ->add_option("--controller", o->controller,
+                     "who holds the budget: yang (t = K/r² + C, 2008) or none")
+        ->check(CLI::IsMember({"yang", "none"}))
+        ->capture_default_str()
+        ->group("Run");
+    command->add_flag("--reference", o->reference,
+                      "also render at full quality and report PSNR, SSIM and FLIP against it")
+        ->group("Run");
+    command->add_option("--shading-rate", o->shadingRate,
+                        "r of the coarse terms where there is no budget; 1 = full quality")
+        ->type_name("R")
+        ->check(CLI::Range(1.0, 64.0))
+        ->capture_default_str()
+        ->group("Shading");
+    addFrameOptions(*command, o->settings);
+    addParsed(*command, "--aov", o->aovs, parseAovs,
+              "also write these as EXR beside --out: depth, normal, albedo, roughness, metallic, "
+              "occlusion, id, shadow, ambient")
+        ->type_name("NAME[,NAME]");
+    addJsonOption(*command, o->json);
+    addDeviceOption(*command, o->device.device);
+    command->add_flag("--validate", o->device.validation, "run under the Vulkan validation layers");
+    command->callback([o, &exitCode] { exitCode = finish(run(*o)); });
+}
+
+}  // namespace lodestar::app
