@@ -212,7 +212,7 @@ private:
     void decode(const exr_chunk_info_t& chunk) {
         const std::size_t plane = std::size_t(chunk.width) * chunk.height;
         pixels.resize(plane * channelNames.size());
-        exr_decode_pipeline_t pipeline = EXR_DECODE_PIPELINE_INITIALIZER;
+        exr_decode_pipeline_t pipeline = {};
         const auto run = [&] {
             exr_result_t result = exr_decoding_initialize(reader.context, 0, &chunk, &pipeline);
             if (result != EXR_ERR_SUCCESS) return result;
