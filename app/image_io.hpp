@@ -14,7 +14,8 @@ namespace lodestar::app {
 /// Reads a PNG (8 or 16 bit; alpha dropped) or an EXR (R, G, B or Y, linear, clamped to 0 … 1 and
 /// sRGB-encoded), by content rather than by name. Pictures over 16384 pixels a side and files over
 /// 2 GiB are refused before their pixels are allocated. Embedded gamma and colour profiles are
-/// ignored: lodestar's own pictures are sRGB.
+/// ignored: lodestar's own pictures are sRGB. EXR: data window of the first part; no DWA
+/// compression.
 Result<quality::RgbImage> readImage(const std::filesystem::path&);
 
 /// The same from memory. `name` stands for the file in messages.

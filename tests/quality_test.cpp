@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 
 #include <app/image_io.hpp>
+#include <lodestar/quality/flicker.hpp>
 #include <lodestar/quality/metrics.hpp>
 #include <scenes.hpp>
 
@@ -186,6 +187,70 @@ TEST(FalseColor, runsFromBlackThroughPurpleToPaleYellow) {
     EXPECT_EQ(color(4), color(0));
     EXPECT_EQ(color(5), color(1));
     EXPECT_EQ(color(6), color(0));
+}
+
+RgbImage shiftedRight(const RgbImage& image, int by) {
+    RgbImage out = image;
+    for (int y = 0; y < image.height; ++y)
+        for (int x = by; x < image.width; ++x) std::copy_n(image.at(x - by, y), 3, out.at(x, y));
+    return out;
+}
+
+MotionField uniformMotion(int width, int height, float x, float y) {
+    MotionField motion{width, height, {}};
+    for (int i = 0; i < width * height; ++i) motion.offsets.insert(motion.offsets.end(), {x, y});
+    return motion;
+}
+
+TEST(Flicker, aConstantErrorIsNone) {
+    EXPECT_EQ(flicker(constant(5, 4, 10, 20, 30), constant(5, 4, 40, 50, 60),
+                      constant(5, 4, 15, 25, 35), constant(5, 4, 45, 55, 65)),
+              0);
+}
+
+TEST(Flicker, isTheChangeThatTheReferenceHasNot) {
+    const RgbImage still = constant(5, 4, 100, 100, 100);
+    RgbImage blink = still;
+    blink.at(2, 2)[1] = 151;  // by 51 of 255 in one of 60 codes
+    EXPECT_NEAR(flicker(still, still, still, blink), 0.2 / 60, 1e-9);
+    EXPECT_NEAR(flicker(still, still, blink, still), 0.2 / 60, 1e-9);
+    EXPECT_NEAR(flicker(still, blink, still, still), 0.2 / 60, 1e-9);
+    EXPECT_EQ(flicker(still, blink, still, blink), 0);
+}
+
+TEST(Flicker, motionIsFollowed) {
+    // The reference is flat; the test's error is noise that sticks to the moving surface.
+    const RgbImage flat = constant(20, 10, 128, 128, 128), before = noise(20, 10, 4);
+    const RgbImage now = shiftedRight(before, 3);
+    const MotionField motion = uniformMotion(20, 10, -3, 0);
+    EXPECT_GT(flicker(flat, flat, before, now), 0.1);
+    EXPECT_EQ(flicker(flat, flat, before, now, &motion), 0);
+}
+
+TEST(Flicker, halfPixelsAreInterpolated) {
+    RgbImage ramp(8, 8), shifted(8, 8);
+    for (int y = 0; y < 8; ++y)
+        for (int x = 0; x < 8; ++x)
+            for (int channel = 0; channel < 3; ++channel) {
+                ramp.at(x, y)[channel] = std::uint8_t(20 * x + 8 * y);
+                shifted.at(x, y)[channel] = std::uint8_t(20 * x + 8 * y - 10 - 2);
+            }
+    const RgbImage flat(8, 8);
+    const MotionField motion = uniformMotion(8, 8, -0.5f, -0.25f);
+    EXPECT_NEAR(flicker(flat, flat, ramp, shifted, &motion), 0, 1e-6);
+}
+
+TEST(Flicker, whatWasNotVisibleIsLeftOut) {
+    const RgbImage flat(4, 2), test = constant(4, 2, 51, 51, 51);
+    MotionField motion = uniformMotion(4, 2, std::nanf(""), 0);
+    EXPECT_TRUE(std::isnan(flicker(flat, flat, flat, test, &motion)));
+    motion.offsets[0] = 0;
+    EXPECT_NEAR(flicker(flat, flat, flat, test, &motion), 0.2, 1e-9);
+    motion = uniformMotion(4, 2, 1e30f, 0);
+    EXPECT_TRUE(std::isnan(flicker(flat, flat, flat, test, &motion)));
+    motion.offsets.pop_back();
+    EXPECT_THROW(flicker(flat, flat, flat, test, &motion), std::invalid_argument);
+    EXPECT_THROW(flicker(flat, flat, flat, RgbImage(2, 4)), std::invalid_argument);
 }
 
 TEST(Metrics, agreeWithTheirReferenceImplementations) {
