@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
+#include <cctype>
 #include <exception>
-#include <iostream>
+#include <memory>
 #include <new>
+#include <sstream>
 #include <string>
 
 #include <CLI/CLI.hpp>
@@ -34,27 +35,60 @@ void addCommands(CLI::App& app, int& exitCode) {
     for (CLI::App* command : app.get_subcommands({})) command->group("Commands");
 }
 
+/// CLI11's help with descriptions broken at 100 columns.
+class HelpFormatter : public CLI::Formatter {
+public:
+    HelpFormatter() {
+        column_width(kNames);
+        label("OPTIONS", "options");
+        label("SUBCOMMAND", "COMMAND");
+        label("REQUIRED", "(required)");
+    }
+    std::string make_option_desc(const CLI::Option* option) const override {
+        std::istringstream words(option->get_description());
+        std::string text, word;
+        std::size_t column = 0;
+        while (words >> word) {
+            const bool fits = column + 1 + word.size() <= 100 - kNames;
+            if (column > 0) text += fits ? ' ' : '\n';
+            column = (column > 0 && fits ? column + 1 : 0) + word.size();
+            text += word;
+        }
+        return text;
+    }
+
+private:
+    static constexpr std::size_t kNames = 32;
+};
+
 /// The parser's word on what was typed, made one line that says where to look further.
 int usageError(const CLI::App& app, std::string message) {
     std::string command = "lodestar";
     for (const CLI::App* used : app.get_subcommands()) command += " " + used->get_name();
+    if (message.size() > 1 && std::islower(static_cast<unsigned char>(message[1])))
+        message[0] = char(std::tolower(static_cast<unsigned char>(message[0])));
     printError(message + " (see " + command + " --help)");
     return kExitUsage;
 }
 
-/// A first word that names no command is best answered with the names there are.
-bool isUnknownCommand(CLI::App& app, const std::string& word) {
-    return !word.empty() && word.front() != '-' && app.get_subcommand_no_throw(word) == nullptr;
+/// The names of the commands; empty when `word` is one of them. A first word that is not is best
+/// answered with what there is.
+std::string commandsOtherThan(CLI::App& app, const std::string& word) {
+    std::string names;
+    for (const CLI::App* command : app.get_subcommands({})) {
+        if (command->get_name() == word) return "";
+        names += (names.empty() ? "" : ", ") + command->get_name();
+    }
+    return names;
 }
 
 int run(int argc, char** argv) {
     int exitCode = kExitOk;
     CLI::App app("Renders a scene inside a time budget by level of detail.", "lodestar");
     app.set_version_flag("--version", "lodestar " LODESTAR_VERSION, "print the version");
-    app.get_formatter()->column_width(32);
-    app.get_formatter()->label("SUBCOMMAND", "COMMAND");
-    app.get_formatter()->label("OPTIONS", "[options]");
-    app.require_subcommand(1);
+    app.set_help_flag("-h,--help", "print this help");
+    app.formatter(std::make_shared<HelpFormatter>());
+    app.require_subcommand(0, 1);  // that none is given is said below, after unknown options
     addCommands(app, exitCode);
     app.footer(
         "Examples:\n"
@@ -70,18 +104,18 @@ int run(int argc, char** argv) {
         "other "
         "failure.");
 
-    if (argc > 1 && isUnknownCommand(app, argv[1])) {
-        std::string names;
-        for (const CLI::App* command : app.get_subcommands({}))
-            names += (names.empty() ? "" : ", ") + command->get_name();
-        return usageError(app, "unknown command '" + std::string(argv[1]) + "': one of " + names);
-    }
+    const std::string word = argc > 1 ? argv[1] : "";
+    if (!word.empty() && word.front() != '-')
+        if (const std::string names = commandsOtherThan(app, word); !names.empty())
+            return usageError(app, "unknown command '" + word + "': one of " + names);
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         if (error.get_exit_code() == 0) return app.exit(error);  // --help, --version
         return usageError(app, error.what());
     }
+    if (app.get_subcommands().empty())
+        return usageError(app, "no command given: one of " + commandsOtherThan(app, ""));
     return exitCode;
 }
 
