@@ -5,6 +5,7 @@
 #include <cmath>
 #include <limits>
 
+#include <fmt/format.h>
 #include <glm/gtc/constants.hpp>
 
 #include "app/cli.hpp"
