@@ -41,14 +41,17 @@ const SrgbTables& srgb() {
     return tables;
 }
 
+/// Clamped to 0 … 1; NaN is 0.
+float unit(float value) { return value > 0 ? std::min(value, 1.0f) : 0; }
+
 std::uint8_t encodeSrgb(float value, const SrgbTables& tables) {
-    const float clamped = std::clamp(value, 0.0f, 1.0f);
+    const float clamped = unit(value);
     const std::uint8_t code = tables.code[static_cast<std::size_t>(clamped * SrgbTables::kCells)];
     return static_cast<std::uint8_t>(code + (clamped >= tables.threshold[code] ? 1 : 0));
 }
 
 std::uint8_t encodeLinear(float value) {
-    return static_cast<std::uint8_t>(std::clamp(value, 0.0f, 1.0f) * 255.0f + 0.5f);
+    return static_cast<std::uint8_t>(unit(value) * 255.0f + 0.5f);
 }
 
 /// The source texels under one texel of the next level: `count` from `first`, with their shares.
