@@ -22,9 +22,9 @@ namespace {
 /// An empty folder of the running test, gone with it.
 class Folder {
 public:
-    Folder() {
+    explicit Folder(const char* purpose = "") {
         const auto* test = testing::UnitTest::GetInstance()->current_test_info();
-        path = fs::temp_directory_path() / (std::string("lodestar_cli_") + test->name());
+        path = fs::temp_directory_path() / (std::string("lodestar_cli_") + test->name() + purpose);
         fs::remove_all(path);
         fs::create_directories(path);
     }
@@ -51,7 +51,7 @@ struct Ended {
 
 /// Runs the program itself, its output piped.
 Ended lodestarRun(const std::string& arguments) {
-    const Folder folder;
+    const Folder folder("_output");
     const std::string command = "\"" LODESTAR_PROGRAM "\" " + arguments + " > \"" +
                                 (folder / "out").string() + "\" 2> \"" + (folder / "err").string() +
                                 "\"";
