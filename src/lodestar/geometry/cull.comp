@@ -7,7 +7,7 @@
 // view or its normal cone faces away.
 layout(local_size_x = 64) in;
 
-layout(binding = 6, scalar) writeonly buffer Counts { uint counts[]; };
+layout(binding = 7, scalar) writeonly buffer Counts { uint counts[]; };
 layout(push_constant, scalar) uniform Push { CullParams params; };
 
 void main() {
@@ -17,9 +17,9 @@ void main() {
         counts[index] = 0;
         return;
     }
-    const GpuCluster cluster = sceneClusters[index];
-    const GpuMeshlet meshlet = sceneMeshlets[cluster.meshlet];
-    const GpuInstance instance = sceneInstances[cluster.instance];
+    const GpuCluster cluster = loadCluster(index);
+    const GpuMeshlet meshlet = loadMeshlet(cluster.meshlet);
+    const GpuInstance instance = loadInstance(cluster.instance);
     const vec3 centre = transformPoint(instance, meshlet.centre);
     const float radius = meshlet.radius * instance.maxScale;
 
@@ -34,5 +34,5 @@ void main() {
         const vec3 away = centre - params.eye;
         if (dot(away, axis) >= meshlet.coneCutoff * length(away) + radius) visible = false;
     }
-    counts[index] = visible ? meshlet.counts >> 8 : 0;
+    counts[index] = visible ? cluster.triangleCount : 0;
 }

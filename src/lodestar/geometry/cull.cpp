@@ -39,7 +39,8 @@ DrawList::DrawList(const gpu::Device& device, const scene::GpuScene& scene, cons
     : offsets(device, name + ": offsets",
               4ull * gpu::PrefixSum::bufferLength(scene.clusterCount() + 1)),
       indices(device, name + ": indices", 12ull * scene.triangleCount()),
-      ids(device, name + ": triangle ids", 4ull * scene.triangleCount()),
+      ids(device, name + ": triangle ids", 4ull * scene.triangleCount(),
+          vk::Format::eR32Uint),
       draws(device, name + ": draws", scene::kDrawBins * sizeof(vk::DrawIndexedIndirectCommand)) {}
 
 Cull::Cull(const gpu::Device& device)
@@ -63,7 +64,7 @@ void Cull::record(gpu::Recorder& rec, const scene::GpuScene& scene, const CullVi
     for (std::size_t i = 0; i <= scene::kDrawBins; ++i) params.binStarts[i] = scene.binStarts()[i];
     const std::uint32_t rows = gpu::groups(clusters, 32768);
     rec.dispatch(emit, {gpu::groups(clusters, rows), rows, 1},
-                 scene::withScene(scene, {list.offsets, list.indices, list.ids, list.draws}),
+                 scene::withScene(scene, {list.offsets, list.indices, list.ids.buffer(), list.draws}),
                  params);
 }
 

@@ -21,7 +21,7 @@ struct DrawList {
 
     gpu::Buffer offsets;   ///< triangles before each cluster; the total at clusterCount()
     gpu::Buffer indices;   ///< cluster << 6 | meshlet vertex, three a triangle
-    gpu::Buffer ids;       ///< cluster << 7 | meshlet triangle
+    gpu::TexelBuffer ids;  ///< cluster << 7 | meshlet triangle
     gpu::Buffer draws;     ///< vk::DrawIndexedIndirectCommand for each scene::DrawBin
 };
 

@@ -12,10 +12,10 @@ struct DrawCommand {
     uint firstInstance;
 };
 
-layout(binding = 6, scalar) readonly buffer Offsets { uint offsets[]; };
-layout(binding = 7, scalar) writeonly buffer Indices { uint indices[]; };
-layout(binding = 8, scalar) writeonly buffer Ids { uint ids[]; };
-layout(binding = 9, scalar) writeonly buffer Draws { DrawCommand draws[4]; };
+layout(binding = 7, scalar) readonly buffer Offsets { uint offsets[]; };
+layout(binding = 8, scalar) writeonly buffer Indices { uint indices[]; };
+layout(binding = 9, scalar) writeonly buffer Ids { uint ids[]; };
+layout(binding = 10, scalar) writeonly buffer Draws { DrawCommand draws[4]; };
 layout(push_constant, scalar) uniform Push { EmitParams params; };
 
 void main() {
@@ -32,12 +32,11 @@ void main() {
     const uint first = offsets[index];
     const uint count = offsets[index + 1] - first;
     if (count == 0) return;
-    const GpuCluster cluster = sceneClusters[index];
-    const uint source = sceneMeshlets[cluster.meshlet].triangleOffset;
+    const GpuCluster cluster = loadCluster(index);
     const bool reflected =
-        (sceneInstances[cluster.instance].flags & LS_INSTANCE_REFLECTED) != 0;
+        (loadInstance(cluster.instance).flags & LS_INSTANCE_REFLECTED) != 0;
     for (uint t = thread; t < count; t += 64) {
-        const uint word = sceneMeshletTriangles[source + t];
+        const uint word = loadStoredTriangle(cluster.triangles + t).local;
         const uint b = word >> 8 & 255, c = word >> 16 & 255;
         const uint base = index << LS_VERTEX_BITS;
         const uint at = 3 * (first + t);

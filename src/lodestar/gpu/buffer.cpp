@@ -3,6 +3,10 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
+#include <lodestar/gpu/image.hpp>
+
 namespace lodestar::gpu {
 
 Buffer::Buffer(const Device& owner, std::string name, std::uint64_t bytes, Residence residence)
@@ -11,8 +15,9 @@ Buffer::Buffer(const Device& owner, std::string name, std::uint64_t bytes, Resid
     buffer = vk::raii::Buffer(
         owner.vk(), vk::BufferCreateInfo{.size = size,
                                          .usage = Usage::eStorageBuffer | Usage::eUniformBuffer |
-                                                  Usage::eIndexBuffer | Usage::eIndirectBuffer |
-                                                  Usage::eTransferSrc | Usage::eTransferDst});
+                                                  Usage::eUniformTexelBuffer | Usage::eIndexBuffer |
+                                                  Usage::eIndirectBuffer | Usage::eTransferSrc |
+                                                  Usage::eTransferDst});
     using Memory = vk::MemoryPropertyFlagBits;
     const bool map = residence == Residence::mapped;
     const vk::MemoryPropertyFlags flags =
@@ -49,6 +54,21 @@ void Buffer::upload(std::span<const std::byte> data) {
     device->runNow([&](const vk::raii::CommandBuffer& commands) {
         commands.copyBuffer(staging.vk(), vk(), vk::BufferCopy{.size = data.size()});
     });
+}
+
+TexelBuffer::TexelBuffer(const Device& device, std::string name, std::uint64_t bytes,
+                         vk::Format format)
+    : storage(device, name, bytes), texels(nullptr) {
+    const std::uint64_t count = storage.bytes() / texelBytes(format);
+    const std::uint64_t limit = device.physical().getProperties().limits.maxTexelBufferElements;
+    if (count > limit)
+        throw DeviceError(
+            fmt::format("'{}' has {} entries, {} takes {}; use a smaller scene", name, count,
+                        device.description().name, limit));
+    texels = vk::raii::BufferView(
+        device.vk(),
+        vk::BufferViewCreateInfo{.buffer = storage.vk(), .format = format, .range = VK_WHOLE_SIZE});
+    device.name(texels, name);
 }
 
 }  // namespace lodestar::gpu

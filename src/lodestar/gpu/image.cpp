@@ -16,7 +16,8 @@ std::size_t texelBytes(vk::Format format) {
         case vk::Format::eR16G16Snorm:
         case vk::Format::eD32Sfloat: return 4;
         case vk::Format::eR16G16B16A16Sfloat:
-        case vk::Format::eR32G32Uint: return 8;
+        case vk::Format::eR32G32Uint:
+        case vk::Format::eR32G32Sfloat: return 8;
         case vk::Format::eR32G32B32A32Uint:
         case vk::Format::eR32G32B32A32Sfloat: return 16;
         default: throw std::invalid_argument("texelBytes: format " + vk::to_string(format));

@@ -10,6 +10,7 @@ vk::DescriptorType descriptorType(Slot slot) {
     switch (slot) {
         case Slot::storageBuffer: return vk::DescriptorType::eStorageBuffer;
         case Slot::uniformBuffer: return vk::DescriptorType::eUniformBuffer;
+        case Slot::texelBuffer: return vk::DescriptorType::eUniformTexelBuffer;
         case Slot::storageImage: return vk::DescriptorType::eStorageImage;
         case Slot::sampledImage: return vk::DescriptorType::eCombinedImageSampler;
     }
@@ -76,7 +77,8 @@ void PipelineLayout::push(const vk::raii::CommandBuffer& commands, vk::PipelineB
                           .descriptorCount = slots[i].count,
                           .descriptorType = descriptorType(slots[i].slot),
                           .pImageInfo = images[i].data(),
-                          .pBufferInfo = &bindings[i].buffer});
+                          .pBufferInfo = &bindings[i].buffer,
+                          .pTexelBufferView = &bindings[i].texels});
     }
     commands.pushDescriptorSetKHR(point, *layout, 0, writes);
     if (!constants.empty())

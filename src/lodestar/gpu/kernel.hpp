@@ -11,7 +11,7 @@
 namespace lodestar::gpu {
 
 /// What one binding of a shader is. The order in a list is the binding number.
-enum class Slot { storageBuffer, uniformBuffer, storageImage, sampledImage };
+enum class Slot { storageBuffer, uniformBuffer, texelBuffer, storageImage, sampledImage };
 
 struct SlotArray {
     Slot slot;
@@ -22,9 +22,11 @@ struct SlotArray {
 /// A resource given to one binding for one dispatch or draw.
 struct Binding {
     vk::DescriptorBufferInfo buffer;
+    vk::BufferView texels;
     std::vector<vk::DescriptorImageInfo> images;
 
     Binding(const Buffer& b) : buffer{.buffer = b.vk(), .range = VK_WHOLE_SIZE} {}
+    Binding(const TexelBuffer& b) : buffer{.buffer = b.buffer().vk()}, texels(b.view()) {}
     /// A storage image.
     Binding(const View& view);
     Binding(const Image& image) : Binding(image.view()) {}

@@ -41,7 +41,8 @@ Recorder::Recorder(const Device& device)
       pool(device.vk(),
            vk::CommandPoolCreateInfo{.flags = vk::CommandPoolCreateFlagBits::eResetCommandBuffer,
                                      .queueFamilyIndex = device.queueFamily()}),
-      fence(device.vk(), vk::FenceCreateInfo{}) {
+      fence(device.vk(), vk::FenceCreateInfo{}),
+      flushesLate(device.description().type == "Cpu") {
     vk::raii::CommandBuffers buffers(device.vk(), {.commandPool = *pool,
                                                    .level = vk::CommandBufferLevel::ePrimary,
                                                    .commandBufferCount = 1});
@@ -59,8 +60,16 @@ void Recorder::begin() {
     if (*queries) commands.resetQueryPool(*queries, 0, 2 * kMaxPasses);
 }
 
-void Recorder::timestamp(vk::PipelineStageFlagBits2 stage) {
-    if (*queries) commands.writeTimestamp2(stage, *queries, queryCount++);
+void Recorder::timestamp() {
+    if (!*queries) return;
+    commands.writeTimestamp2(vk::PipelineStageFlagBits2::eAllCommands, *queries, queryCount++);
+    // Mesa's CPU driver takes a timestamp only when it next flushes, which may be after the work
+    // that follows. A barrier makes it flush.
+    if (flushesLate) {
+        constexpr auto kAll = vk::PipelineStageFlagBits2::eAllCommands;
+        const vk::MemoryBarrier2 flush{.srcStageMask = kAll, .dstStageMask = kAll};
+        commands.pipelineBarrier2({.memoryBarrierCount = 1, .pMemoryBarriers = &flush});
+    }
 }
 
 Recorder::Pass Recorder::pass(const std::string& name) {
@@ -69,14 +78,14 @@ Recorder::Pass Recorder::pass(const std::string& name) {
     passOpen = true;
     names.push_back(name);
     if (owner->hasDebugNames()) commands.beginDebugUtilsLabelEXT({.pLabelName = name.c_str()});
-    timestamp(vk::PipelineStageFlagBits2::eAllCommands);
+    timestamp();
     return Pass(*this);
 }
 
 Recorder::Pass::~Pass() { recorder->endPass(); }
 
 void Recorder::endPass() {
-    timestamp(vk::PipelineStageFlagBits2::eAllCommands);
+    timestamp();
     if (owner->hasDebugNames()) commands.endDebugUtilsLabelEXT();
     passOpen = false;
 }

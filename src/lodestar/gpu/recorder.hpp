@@ -86,7 +86,7 @@ private:
                        std::span<const std::byte>);
     void drawBytes(const RasterPipeline&, const Buffer&, const Buffer&, std::uint64_t,
                    const std::vector<Binding>&, std::span<const std::byte>);
-    void timestamp(vk::PipelineStageFlagBits2);
+    void timestamp();
     void endPass();
 
     const Device* owner;
@@ -97,6 +97,7 @@ private:
     std::vector<std::string> names;
     std::uint32_t queryCount = 0;
     bool passOpen = false;
+    bool flushesLate = false;
 };
 
 /// Workgroups of `local` threads that cover `size` threads.

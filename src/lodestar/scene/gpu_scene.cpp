@@ -16,37 +16,33 @@ using shared::GpuInstance;
 using shared::GpuLight;
 using shared::GpuMaterial;
 using shared::GpuMeshlet;
-using shared::GpuTextureUse;
+using shared::GpuMaterialRecord;
+using shared::GpuTextureTransform;
+using shared::GpuTriangle;
 using shared::GpuVertex;
+using shared::GpuVertexAttributes;
 
 struct GpuScene::Packed {
     std::vector<GpuVertex> vertices;
-    std::vector<std::uint32_t> meshletVertices, meshletTriangles;
+    std::vector<GpuVertexAttributes> attributes;
+    std::vector<glm::vec2> secondUvs;
+    std::vector<GpuTriangle> triangles;
+    std::vector<std::uint32_t> meshletVertices;
     std::vector<GpuMeshlet> meshlets;
     std::vector<GpuCluster> clusters;
-    std::vector<GpuMaterial> materials;
+    std::vector<GpuMaterialRecord> materials;
     TextureArrays textures;
     SceneFeatures features;
     std::array<std::uint32_t, kDrawBins + 1> bins{};
-    std::uint32_t triangles = 0;
+    std::uint32_t trianglesDrawn = 0;
 };
 
 namespace {
 
-GpuVertex pack(const Vertex& v) {
-    return {.position = v.position,
-            .normal = shared::packNormal(v.normal),
-            .tangent = shared::packTangent(v.tangent),
-            .uv0 = v.uv0,
-            .uv1 = v.uv1,
-            .color = glm::packUnorm4x8(v.color)};
-}
+constexpr auto kWords = vk::Format::eR32G32B32A32Uint;
 
-GpuTextureUse pack(const TextureUse& use, const Scene& scene, const TextureArrays& arrays) {
-    GpuTextureUse packed{.array = shared::LS_NO_TEXTURE,
-                         .uRow = {1, 0, 0},
-                         .vRow = {0, 1, 0}};
-    if (use.texture == kNone) return packed;
+std::uint32_t packUse(const TextureUse& use, const Scene& scene, const TextureArrays& arrays) {
+    if (use.texture == kNone) return shared::LS_NO_TEXTURE;
     const auto wrap = [](Wrap w) {
         return w == Wrap::repeat           ? shared::LS_WRAP_REPEAT
                : w == Wrap::mirroredRepeat ? shared::LS_WRAP_MIRROR
@@ -54,58 +50,68 @@ GpuTextureUse pack(const TextureUse& use, const Scene& scene, const TextureArray
     };
     const Texture& texture = scene.textures[use.texture];
     const TextureSlot slot = arrays.slotOf[use.texture];
-    packed.array = slot.array;
-    packed.layer = slot.layer;
-    packed.uRow = {use.transform[0][0], use.transform[1][0], use.transform[2][0]};
-    packed.vRow = {use.transform[0][1], use.transform[1][1], use.transform[2][1]};
     const bool transformed = use.transform != glm::mat3x2(1, 0, 0, 1, 0, 0);
-    packed.reading = wrap(texture.wrapU) | wrap(texture.wrapV) << 2 |
-                     std::uint32_t(texture.nearest) << 4 | use.uvSet << 5 |
-                     std::uint32_t(transformed) << 6;
-    return packed;
+    const std::uint32_t reading = wrap(texture.wrapU) | wrap(texture.wrapV) << 2 |
+                                  (texture.nearest ? shared::LS_READ_NEAREST : 0) |
+                                  (use.uvSet == 1 ? shared::LS_READ_UV1 : 0) |
+                                  (transformed ? shared::LS_READ_TRANSFORMED : 0);
+    return slot.array | slot.layer << shared::LS_LAYER_SHIFT |
+           reading << shared::LS_READING_SHIFT;
 }
 
-GpuMaterial pack(const Material& m, const Scene& scene, const TextureArrays& arrays) {
+GpuTextureTransform packTransform(const TextureUse& use) {
+    const glm::mat3x2& m = use.transform;
+    return {.uRow = {m[0][0], m[1][0], m[2][0], 0}, .vRow = {m[0][1], m[1][1], m[2][1], 0}};
+}
+
+GpuMaterialRecord pack(const Material& m, const Scene& scene, const TextureArrays& arrays) {
     // Blended surfaces are drawn as masked ones at 0.5 until there is a pass for them.
     const bool masked = m.alphaMode != AlphaMode::opaque;
-    return {.baseColor = m.baseColor,
-            .emissive = m.emissive,
-            .metallic = m.metallic,
-            .roughness = m.roughness,
-            .normalScale = m.normalScale,
-            .occlusionStrength = m.occlusionStrength,
-            .alphaCutoff = m.alphaMode == AlphaMode::blend ? 0.5f : m.alphaCutoff,
-            .flags = (masked ? shared::LS_MATERIAL_MASK : 0) |
-                     (m.doubleSided ? shared::LS_MATERIAL_DOUBLE_SIDED : 0) |
-                     (m.unlit ? shared::LS_MATERIAL_UNLIT : 0),
-            .baseColorTexture = pack(m.baseColorTexture, scene, arrays),
-            .normalTexture = pack(m.normalTexture, scene, arrays),
-            .metallicRoughnessTexture = pack(m.metallicRoughnessTexture, scene, arrays),
-            .occlusionTexture = pack(m.occlusionTexture, scene, arrays),
-            .emissiveTexture = pack(m.emissiveTexture, scene, arrays)};
+    return {.material = {.baseColor = m.baseColor,
+                         .emissive = m.emissive,
+                         .flags = (masked ? shared::LS_MATERIAL_MASK : 0) |
+                                  (m.doubleSided ? shared::LS_MATERIAL_DOUBLE_SIDED : 0) |
+                                  (m.unlit ? shared::LS_MATERIAL_UNLIT : 0),
+                         .metallic = m.metallic,
+                         .roughness = m.roughness,
+                         .normalScale = m.normalScale,
+                         .occlusionStrength = m.occlusionStrength,
+                         .baseColorTexture = packUse(m.baseColorTexture, scene, arrays),
+                         .normalTexture = packUse(m.normalTexture, scene, arrays),
+                         .metallicRoughnessTexture =
+                             packUse(m.metallicRoughnessTexture, scene, arrays),
+                         .occlusionTexture = packUse(m.occlusionTexture, scene, arrays),
+                         .emissiveTexture = packUse(m.emissiveTexture, scene, arrays),
+                         .alphaCutoff =
+                             m.alphaMode == AlphaMode::blend ? 0.5f : m.alphaCutoff},
+            .transforms = {packTransform(m.baseColorTexture), packTransform(m.normalTexture),
+                           packTransform(m.metallicRoughnessTexture),
+                           packTransform(m.occlusionTexture), packTransform(m.emissiveTexture)}};
 }
 
-SceneFeatures featuresOf(const std::vector<GpuMaterial>& materials, const TextureArrays& arrays) {
+SceneFeatures featuresOf(const std::vector<GpuMaterialRecord>& materials) {
     SceneFeatures f;
-    f.textureArrays = static_cast<std::uint32_t>(arrays.arrays.size());
-    const auto used = [](const GpuTextureUse& use) { return use.array != shared::LS_NO_TEXTURE; };
-    for (const GpuMaterial& m : materials) {
-        f.normalMaps |= used(m.normalTexture);
-        f.metallicRoughnessMaps |= used(m.metallicRoughnessTexture);
-        f.occlusionMaps |= used(m.occlusionTexture);
-        if (used(m.occlusionTexture))
-            f.occlusionSharesMetallicRoughness &=
-                m.occlusionTexture.array == m.metallicRoughnessTexture.array &&
-                m.occlusionTexture.layer == m.metallicRoughnessTexture.layer;
-        f.emissiveMaps |= used(m.emissiveTexture);
+    bool occlusionApart = false;
+    const auto place = [](std::uint32_t use) { return use & 0xffff; };  // array and layer
+    for (const auto& [m, transforms] : materials) {
+        const auto note = [&](std::uint32_t use, std::uint32_t& arrays) {
+            if (use == shared::LS_NO_TEXTURE) return;
+            arrays |= 1u << (use & shared::LS_ARRAY_MASK);
+            const std::uint32_t reading = use >> shared::LS_READING_SHIFT;
+            f.uvTransforms |= reading != 0;
+            f.secondUvs |= (reading & shared::LS_READ_UV1) != 0;
+        };
+        note(m.baseColorTexture, f.baseColorArrays);
+        note(m.normalTexture, f.normalArrays);
+        note(m.metallicRoughnessTexture, f.metallicRoughnessArrays);
+        note(m.occlusionTexture, f.occlusionArrays);
+        note(m.emissiveTexture, f.emissiveArrays);
+        occlusionApart |= m.occlusionTexture != shared::LS_NO_TEXTURE &&
+                          place(m.occlusionTexture) != place(m.metallicRoughnessTexture);
         f.emissive |= m.emissive != glm::vec3(0);
         f.unlit |= (m.flags & shared::LS_MATERIAL_UNLIT) != 0;
-        f.masked |= (m.flags & shared::LS_MATERIAL_MASK) != 0;
-        for (const GpuTextureUse* use :
-             {&m.baseColorTexture, &m.normalTexture, &m.metallicRoughnessTexture,
-              &m.occlusionTexture, &m.emissiveTexture})
-            f.uvTransforms |= used(*use) && use->reading != 0;
     }
+    f.occlusionShared = f.occlusionArrays != 0 && !occlusionApart;
     return f;
 }
 
@@ -147,26 +153,36 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene,
           };
           Packed packed;
           std::vector<std::uint32_t> firstMeshlet;
+          std::vector<GpuCluster> clusterOf;  // of each meshlet, without the instance
           for (const Mesh& mesh : scene.meshes) {
               say("meshlets", firstMeshlet.size(), scene.meshes.size());
               firstMeshlet.push_back(static_cast<std::uint32_t>(packed.meshlets.size()));
-              const auto vertexBase = static_cast<std::uint32_t>(packed.vertices.size());
-              for (const Vertex& v : mesh.vertices) packed.vertices.push_back(pack(v));
-              const auto tableBase = static_cast<std::uint32_t>(packed.meshletVertices.size());
-              const auto triangleBase = static_cast<std::uint32_t>(packed.meshletTriangles.size());
+              const auto firstVertex = static_cast<std::uint32_t>(packed.vertices.size());
+              for (const Vertex& v : mesh.vertices) {
+                  packed.vertices.push_back({v.position, shared::packNormal(v.normal)});
+                  packed.attributes.push_back(
+                      {v.uv0, shared::packTangent(v.tangent), glm::packUnorm4x8(v.color)});
+                  packed.secondUvs.push_back(v.uv1);
+              }
               const MeshletSet set = buildMeshlets(mesh);
-              for (std::uint32_t v : set.vertices) packed.meshletVertices.push_back(vertexBase + v);
-              packed.meshletTriangles.insert(packed.meshletTriangles.end(), set.triangles.begin(),
-                                             set.triangles.end());
-              for (const Meshlet& m : set.meshlets)
-                  packed.meshlets.push_back({.centre = m.centre,
-                                             .radius = m.radius,
-                                             .coneAxis = m.coneAxis,
-                                             .coneCutoff = m.coneCutoff,
-                                             .vertexOffset = tableBase + m.vertexOffset,
-                                             .triangleOffset = triangleBase + m.triangleOffset,
-                                             .counts = m.vertexCount | m.triangleCount << 8,
-                                             .material = mesh.material});
+              for (const Meshlet& m : set.meshlets) {
+                  clusterOf.push_back(
+                      {.meshlet = static_cast<std::uint32_t>(packed.meshlets.size()),
+                       .triangles = static_cast<std::uint32_t>(packed.triangles.size()),
+                       .vertices = static_cast<std::uint32_t>(packed.meshletVertices.size()),
+                       .material = mesh.material,
+                       .triangleCount = m.triangleCount});
+                  packed.meshlets.push_back({m.centre, m.radius, m.coneAxis, m.coneCutoff});
+                  const std::uint32_t* local = &set.vertices[m.vertexOffset];
+                  for (std::uint32_t i = 0; i < m.vertexCount; ++i)
+                      packed.meshletVertices.push_back(firstVertex + local[i]);
+                  for (std::uint32_t i = 0; i < m.triangleCount; ++i) {
+                      const std::uint32_t t = set.triangles[m.triangleOffset + i];
+                      packed.triangles.push_back({firstVertex + local[t & 255],
+                                                  firstVertex + local[t >> 8 & 255],
+                                                  firstVertex + local[t >> 16 & 255], t});
+                  }
+              }
           }
           firstMeshlet.push_back(static_cast<std::uint32_t>(packed.meshlets.size()));
 
@@ -177,8 +193,9 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene,
                   const std::uint32_t mesh = scene.instances[i].mesh;
                   if (binOf(scene.materials[scene.meshes[mesh].material]) != DrawBin(bin)) continue;
                   for (std::uint32_t m = firstMeshlet[mesh]; m < firstMeshlet[mesh + 1]; ++m) {
-                      packed.clusters.push_back({.instance = i, .meshlet = m});
-                      packed.triangles += packed.meshlets[m].counts >> 8;
+                      packed.clusters.push_back(clusterOf[m]);
+                      packed.clusters.back().instance = i;
+                      packed.trianglesDrawn += clusterOf[m].triangleCount;
                   }
               }
           }
@@ -188,24 +205,29 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene,
           packed.textures = buildTextureArrays(scene);
           for (const Material& m : scene.materials)
               packed.materials.push_back(pack(m, scene, packed.textures));
-          packed.features = featuresOf(packed.materials, packed.textures);
+          packed.features = featuresOf(packed.materials);
+          if (!packed.features.secondUvs) packed.secondUvs.clear();
           return packed;
       }()) {}
 
 GpuScene::GpuScene(const gpu::Device& device, const Scene& scene, Packed&& packed)
-    : vertices(gpu::makeBuffer(device, "vertices", packed.vertices)),
-      meshletVertices(gpu::makeBuffer(device, "meshlet vertices", packed.meshletVertices)),
-      meshletTriangles(gpu::makeBuffer(device, "meshlet triangles", packed.meshletTriangles)),
-      meshlets(gpu::makeBuffer(device, "meshlets", packed.meshlets)),
-      instances(device, "instances", scene.instances.size() * sizeof(GpuInstance)),
-      clusterTable(gpu::makeBuffer(device, "clusters", packed.clusters)),
-      materials(gpu::makeBuffer(device, "materials", packed.materials)),
+    : vertices(gpu::makeTexelBuffer(device, "vertices", packed.vertices, kWords)),
+      attributes(gpu::makeTexelBuffer(device, "attributes", packed.attributes, kWords)),
+      triangles(gpu::makeTexelBuffer(device, "triangles", packed.triangles, kWords)),
+      meshletVertices(gpu::makeTexelBuffer(device, "meshlet vertices", packed.meshletVertices,
+                                           vk::Format::eR32Uint)),
+      meshlets(gpu::makeTexelBuffer(device, "meshlets", packed.meshlets, kWords)),
+      instances(device, "instances", scene.instances.size() * sizeof(GpuInstance), kWords),
+      clusters(gpu::makeTexelBuffer(device, "clusters", packed.clusters, kWords)),
+      materials(gpu::makeTexelBuffer(device, "materials", packed.materials, kWords)),
+      secondUvs(gpu::makeTexelBuffer(device, "second uvs", packed.secondUvs,
+                                     vk::Format::eR32G32Sfloat)),
       lights(device, "lights", scene.lights.size() * sizeof(GpuLight)),
       source(&scene),
       sceneFeatures(packed.features),
       bins(packed.bins),
-      clusters(static_cast<std::uint32_t>(packed.clusters.size())),
-      triangles(packed.triangles) {
+      clustersUsed(static_cast<std::uint32_t>(packed.clusters.size())),
+      trianglesDrawn(packed.trianglesDrawn) {
     for (std::size_t i = 0; i < packed.textures.arrays.size(); ++i)
         textureArrays.push_back(uploadTextures(device, packed.textures.arrays[i], i));
     if (textureArrays.empty()) {
@@ -221,7 +243,7 @@ void GpuScene::animate(float seconds) {
     if (now == worldFromNodes) return;
     worldFromNodes = std::move(now);
     worldBox = worldBounds(*source, worldFromNodes);
-    instances.upload(packInstances());
+    instances.buffer().upload(packInstances());
     const auto packedLights = packLights();
     lightsUsed = static_cast<std::uint32_t>(packedLights.size());
     lights.upload(packedLights);

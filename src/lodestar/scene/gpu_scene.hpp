@@ -19,16 +19,14 @@ inline constexpr std::size_t kDrawBins = 4;
 /// What shaders need to know about a scene when they are compiled (specialization constants), so
 /// that a scene pays only for what it has.
 struct SceneFeatures {
-    bool normalMaps = false;
-    bool metallicRoughnessMaps = false;
-    bool occlusionMaps = false;
-    bool occlusionSharesMetallicRoughness = true;  ///< occlusion is r of the same texture
+    /// Which texture arrays the materials' textures of each kind lie in, a bit an array.
+    std::uint32_t baseColorArrays = 0, normalArrays = 0, metallicRoughnessArrays = 0,
+                  occlusionArrays = 0, emissiveArrays = 0;
+    bool occlusionShared = false;  ///< occlusion is always r of the metallic-roughness texture
     bool emissive = false;
-    bool emissiveMaps = false;
     bool uvTransforms = false;     ///< or a second UV set, wrap modes but repeat, nearest filtering
+    bool secondUvs = false;
     bool unlit = false;
-    bool masked = false;
-    std::uint32_t textureArrays = 0;
 };
 
 /// A scene in GPU memory: vertices, meshlets, instances, clusters, materials, texture arrays.
@@ -51,15 +49,17 @@ public:
     /// this stays.
     std::uint64_t version() const { return changes; }
 
-    std::uint32_t clusterCount() const { return clusters; }     ///< including the unused cluster 0
-    std::uint32_t triangleCount() const { return triangles; }   ///< of all clusters
+    std::uint32_t clusterCount() const { return clustersUsed; }     ///< including the unused cluster 0
+    std::uint32_t triangleCount() const { return trianglesDrawn; }   ///< of all clusters
     std::uint32_t instanceCount() const { return static_cast<std::uint32_t>(source->instances.size()); }
     /// First cluster of each bin; the last entry is clusterCount().
     const std::array<std::uint32_t, kDrawBins + 1>& binStarts() const { return bins; }
     std::uint32_t lightCount() const { return lightsUsed; }
 
-    gpu::Buffer vertices, meshletVertices, meshletTriangles, meshlets, instances, clusterTable,
-        materials, lights;
+    gpu::TexelBuffer vertices, attributes, triangles, meshletVertices, meshlets, instances, clusters,
+        materials;      ///< the records of gpu_types.h
+    gpu::TexelBuffer secondUvs;  ///< vec2 a vertex; a dummy where no material uses them
+    gpu::Buffer lights;
     std::vector<gpu::Image> textureArrays;  ///< at least one, so that bindings are never empty
 
     std::vector<gpu::View> textureViews() const;
@@ -75,7 +75,7 @@ private:
     Bounds worldBox;
     SceneFeatures sceneFeatures;
     std::array<std::uint32_t, kDrawBins + 1> bins{};
-    std::uint32_t clusters = 0, triangles = 0, lightsUsed = 0;
+    std::uint32_t clustersUsed = 0, trianglesDrawn = 0, lightsUsed = 0;
     std::uint64_t changes = 0;
 };
 

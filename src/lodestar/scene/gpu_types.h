@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-// The scene as shaders read it. C++ and GLSL, scalar layout.
+// The scene as shaders read it: records of 16-byte words (uvec4), fetched from texel buffers by the
+// functions of scene.glsl. C++ and GLSL.
 #ifndef LS_GPU_TYPES_H
 #define LS_GPU_TYPES_H
 #include "../shared/types.h"
@@ -15,13 +16,23 @@ const uint LS_TRIANGLE_MASK = 127u;
 const uint LS_VERTEX_BITS = 6u;
 const uint LS_VERTEX_MASK = 63u;
 
+/// What a ray needs to meet the surface.
 struct GpuVertex {
     vec3 position;
-    uint normal;   // packNormal
+    uint normal;  // packNormal
+};
+
+/// What a material needs.
+struct GpuVertexAttributes {
+    vec2 uv;
     uint tangent;  // packTangent
-    vec2 uv0;
-    vec2 uv1;
-    uint color;  // unorm 4x8, linear
+    uint color;    // unorm 4x8, linear
+};
+
+/// Vertices of one stored triangle, in the order of the mesh.
+struct GpuTriangle {
+    uint a, b, c;
+    uint local;  // the same three as vertices of the meshlet: a | b << 8 | c << 16
 };
 
 struct GpuMeshlet {
@@ -29,57 +40,63 @@ struct GpuMeshlet {
     float radius;
     vec3 coneAxis;
     float coneCutoff;
-    uint vertexOffset;    // into the meshlet vertices
-    uint triangleOffset;  // into the meshlet triangles
-    uint counts;          // vertices | triangles << 8
-    uint material;
-};
-
-const uint LS_INSTANCE_REFLECTED = 1u;    // negative determinant: the winding turns around
-const uint LS_INSTANCE_CONE_VALID = 2u;   // uniform scale: meshlet normal cones hold
-
-struct GpuInstance {
-    vec4 row0, row1, row2;  // world from object, an affine matrix by rows
-    float maxScale;         // of the matrix, for bounding spheres
-    uint flags;
 };
 
 /// A meshlet of an instance: what is culled, drawn and named in triangle ids.
 struct GpuCluster {
     uint instance;
     uint meshlet;
+    uint triangles;  // first of its GpuTriangles
+    uint vertices;   // first of its meshlet vertices
+    uint material;
+    uint triangleCount;
+    uint unused0, unused1;
+};
+
+const uint LS_INSTANCE_REFLECTED = 1u;   // negative determinant: the winding turns around
+const uint LS_INSTANCE_CONE_VALID = 2u;  // uniform scale: meshlet normal cones hold
+
+struct GpuInstance {
+    vec4 row0, row1, row2;  // world from object, an affine matrix by rows
+    float maxScale;         // of the matrix, for bounding spheres
+    uint flags;
+    uint unused0, unused1;
 };
 
 const uint LS_WRAP_REPEAT = 0u;
 const uint LS_WRAP_MIRROR = 1u;
 const uint LS_WRAP_CLAMP = 2u;
 
-struct GpuTextureUse {
-    uint array;    // LS_NO_TEXTURE: none
-    uint layer;
-    uint reading;  // wrapU | wrapV << 2 | nearest << 4 | uvSet << 5 | transformed << 6
-    vec3 uRow;     // u' = dot(uRow, (u, v, 1))
-    vec3 vRow;
-};
+// A material's use of a texture, in one word: array | layer << 3 | reading << 16, or LS_NO_TEXTURE.
+const uint LS_ARRAY_MASK = 7u;
+const uint LS_LAYER_SHIFT = 3u;
+const uint LS_LAYER_MASK = 0x1fffu;
+const uint LS_READING_SHIFT = 16u;
+// reading: wrapU | wrapV << 2 | the flags
+const uint LS_READ_NEAREST = 16u;
+const uint LS_READ_UV1 = 32u;
+const uint LS_READ_TRANSFORMED = 64u;
 
 const uint LS_MATERIAL_MASK = 1u;
 const uint LS_MATERIAL_DOUBLE_SIDED = 2u;
 const uint LS_MATERIAL_UNLIT = 4u;
 
+const uint LS_MATERIAL_WORDS = 15u;  // uvec4s a material takes
+
 struct GpuMaterial {
     vec4 baseColor;
     vec3 emissive;
-    float metallic;
-    float roughness;
-    float normalScale;
-    float occlusionStrength;
-    float alphaCutoff;
     uint flags;
-    GpuTextureUse baseColorTexture;
-    GpuTextureUse normalTexture;
-    GpuTextureUse metallicRoughnessTexture;
-    GpuTextureUse occlusionTexture;
-    GpuTextureUse emissiveTexture;
+    float metallic, roughness, normalScale, occlusionStrength;
+    uint baseColorTexture, normalTexture, metallicRoughnessTexture, occlusionTexture;
+    uint emissiveTexture;
+    float alphaCutoff;
+    uint unused0, unused1;
+};
+
+/// Follows the material's first five words, one for each texture in the order above.
+struct GpuTextureTransform {
+    vec4 uRow, vRow;  // u' = dot(uRow.xyz, (u, v, 1))
 };
 
 struct GpuLight {
@@ -95,8 +112,15 @@ LS_NAMESPACE_END
 
 #ifdef __cplusplus
 namespace lodestar::shared {
-static_assert(sizeof(GpuVertex) == 40 && sizeof(GpuMeshlet) == 48 && sizeof(GpuInstance) == 56);
-static_assert(sizeof(GpuTextureUse) == 36 && sizeof(GpuMaterial) == 48 + 4 + 5 * 36);
+/// A material as it lies in memory.
+struct GpuMaterialRecord {
+    GpuMaterial material;
+    GpuTextureTransform transforms[5];
+};
+static_assert(sizeof(GpuVertex) == 16 && sizeof(GpuVertexAttributes) == 16);
+static_assert(sizeof(GpuTriangle) == 16 && sizeof(GpuMeshlet) == 32 && sizeof(GpuCluster) == 32);
+static_assert(sizeof(GpuInstance) == 64 && sizeof(GpuMaterial) == 80);
+static_assert(sizeof(GpuMaterialRecord) == 16 * LS_MATERIAL_WORDS);
 static_assert(sizeof(GpuLight) == 52);
 }  // namespace lodestar::shared
 #endif

@@ -1,16 +1,55 @@
 // SPDX-License-Identifier: Apache-2.0
-// The scene's buffers, bound at 0 … 5 by gpu scene bindings (scene_bindings.hpp).
+// The scene's geometry, bound at 0 … 6 (scene_bindings.hpp).
 #ifndef LS_SCENE_GLSL
 #define LS_SCENE_GLSL
 #include "gpu_types.h"
 #include "../shared/octahedral.h"
 
-layout(binding = 0, scalar) readonly buffer Vertices { GpuVertex sceneVertices[]; };
-layout(binding = 1, scalar) readonly buffer MeshletVertices { uint sceneMeshletVertices[]; };
-layout(binding = 2, scalar) readonly buffer MeshletTriangles { uint sceneMeshletTriangles[]; };
-layout(binding = 3, scalar) readonly buffer Meshlets { GpuMeshlet sceneMeshlets[]; };
-layout(binding = 4, scalar) readonly buffer Instances { GpuInstance sceneInstances[]; };
-layout(binding = 5, scalar) readonly buffer Clusters { GpuCluster sceneClusters[]; };
+layout(binding = 0) uniform usamplerBuffer sceneVertices;
+layout(binding = 1) uniform usamplerBuffer sceneAttributes;
+layout(binding = 2) uniform usamplerBuffer sceneTriangles;
+layout(binding = 3) uniform usamplerBuffer sceneMeshletVertices;
+layout(binding = 4) uniform usamplerBuffer sceneMeshlets;
+layout(binding = 5) uniform usamplerBuffer sceneInstances;
+layout(binding = 6) uniform usamplerBuffer sceneClusters;
+
+GpuVertex loadVertex(uint index) {
+    const uvec4 w = texelFetch(sceneVertices, int(index));
+    return GpuVertex(uintBitsToFloat(w.xyz), w.w);
+}
+
+GpuVertexAttributes loadAttributes(uint index) {
+    const uvec4 w = texelFetch(sceneAttributes, int(index));
+    return GpuVertexAttributes(uintBitsToFloat(w.xy), w.z, w.w);
+}
+
+GpuTriangle loadStoredTriangle(uint index) {
+    const uvec4 w = texelFetch(sceneTriangles, int(index));
+    return GpuTriangle(w.x, w.y, w.z, w.w);
+}
+
+uint loadMeshletVertex(uint index) { return texelFetch(sceneMeshletVertices, int(index)).x; }
+
+GpuMeshlet loadMeshlet(uint index) {
+    const vec4 sphere = uintBitsToFloat(texelFetch(sceneMeshlets, int(2 * index)));
+    const vec4 cone = uintBitsToFloat(texelFetch(sceneMeshlets, int(2 * index + 1)));
+    return GpuMeshlet(sphere.xyz, sphere.w, cone.xyz, cone.w);
+}
+
+GpuInstance loadInstance(uint index) {
+    const int at = int(4 * index);
+    const uvec4 last = texelFetch(sceneInstances, at + 3);
+    return GpuInstance(uintBitsToFloat(texelFetch(sceneInstances, at)),
+                       uintBitsToFloat(texelFetch(sceneInstances, at + 1)),
+                       uintBitsToFloat(texelFetch(sceneInstances, at + 2)),
+                       uintBitsToFloat(last.x), last.y, 0, 0);
+}
+
+GpuCluster loadCluster(uint index) {
+    const uvec4 a = texelFetch(sceneClusters, int(2 * index));
+    const uvec4 b = texelFetch(sceneClusters, int(2 * index + 1));
+    return GpuCluster(a.x, a.y, a.z, a.w, b.x, b.y, 0, 0);
+}
 
 vec3 transformPoint(GpuInstance instance, vec3 p) {
     const vec4 h = vec4(p, 1);
@@ -22,7 +61,7 @@ vec3 transformDirection(GpuInstance instance, vec3 d) {
 }
 
 /// Normals go by the cofactor matrix, which needs no inverse and survives any scale; it turns with
-/// a reflection, so the result points out of the surface either way once normalised by the caller.
+/// a reflection, which is undone here. Not normalised.
 vec3 transformNormal(GpuInstance instance, vec3 n) {
     const vec3 a = instance.row0.xyz, b = instance.row1.xyz, c = instance.row2.xyz;
     const vec3 m = vec3(dot(cross(b, c), n), dot(cross(c, a), n), dot(cross(a, b), n));

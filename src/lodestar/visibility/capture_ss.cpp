@@ -28,11 +28,13 @@ gpu::RasterPipeline makePipeline(const gpu::Device& device, const scene::SceneFe
         .vertex = kVertexCode,
         .cull = doubleSided ? vk::CullModeFlagBits::eNone : vk::CullModeFlagBits::eBack,
         .depthClamp = !ids,
-        .slots = scene::withSceneSlots({Slot::storageBuffer, Slot::storageBuffer,
+        .slots = scene::withSceneSlots({Slot::texelBuffer,
                                         Slot::storageBuffer,
-                                        {Slot::sampledImage, shared::LS_TEXTURE_ARRAYS}}),
+                                        Slot::texelBuffer,
+                                        {Slot::sampledImage, shared::LS_TEXTURE_ARRAYS},
+                                        Slot::texelBuffer}),
         .pushBytes = sizeof(shared::CaptureParams),
-        .constants = {features.textureArrays, features.uvTransforms, masked, ids}};
+        .constants = {features.uvTransforms, masked, ids, features.baseColorArrays}};
     if (ids) info.colors = {vk::Format::eR32Uint};
     if (ids || masked) info.fragment = kFragmentCode;
     return {device, info};
@@ -65,7 +67,8 @@ void CaptureSs::record(gpu::Recorder& rec, const scene::GpuScene& scene,
     if (writes == Writes::idsAndDepth) attachments.colors = {target.ids};
     rec.beginRendering(attachments);
     const auto bindings = scene::withScene(
-        scene, {list.ids, list.draws, scene.materials, {scene.textureViews(), sampler}});
+        scene, {list.ids, list.draws, scene.materials, {scene.textureViews(), sampler},
+                scene.secondUvs});
     for (std::uint32_t bin = 0; bin < scene::kDrawBins; ++bin) {
         if (scene.binStarts()[bin] == scene.binStarts()[bin + 1]) continue;
         rec.drawIndexedIndirect(pipelines[bin], list.indices, list.draws,

@@ -2,26 +2,34 @@
 #version 460
 #include "triangle.glsl"
 #include "view_params.h"
-#define LS_TEXTURE_BINDING 13
+#define LS_MATERIAL_BINDING 13
+#define LS_TEXTURE_BINDING 14
 #include "../scene/material.glsl"
 
 // From triangle ids to surface attributes, one thread a pixel of grid O.
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(constant_id = 2) const uint kNormalMaps = 1;
-layout(constant_id = 3) const uint kMetallicRoughnessMaps = 1;
-layout(constant_id = 4) const uint kOcclusionMaps = 1;         // read apart from metallic-roughness
-layout(constant_id = 5) const uint kOcclusionShared = 0;       // r of the metallic-roughness texture
-layout(constant_id = 6) const uint kEmissive = 1;
-layout(constant_id = 7) const uint kEmissiveMaps = 1;
+// Which texture arrays each use can mean, as bits; 0 = no material of the scene has such a texture.
+layout(constant_id = 1) const uint kBaseColorArrays = 255;
+layout(constant_id = 2) const uint kNormalArrays = 255;
+layout(constant_id = 3) const uint kMetallicRoughnessArrays = 255;
+layout(constant_id = 4) const uint kOcclusionArrays = 255;
+layout(constant_id = 5) const uint kEmissiveArrays = 255;
+layout(constant_id = 6) const uint kOcclusionShared = 0;  // r of the metallic-roughness texture
+layout(constant_id = 7) const uint kEmissive = 1;
 
-layout(binding = 6, scalar) uniform View { ViewParams view; };
-layout(binding = 7) uniform usampler2D ids;
-layout(binding = 8, r32f) writeonly uniform image2D outDepth;
-layout(binding = 9, r32ui) writeonly uniform uimage2D outNormal;
-layout(binding = 10, rgba32ui) writeonly uniform uimage2D outMaterial;
-layout(binding = 11, rgba16f) writeonly uniform image2D outEmissive;
-layout(binding = 12, scalar) readonly buffer Materials { GpuMaterial materials[]; };
+layout(binding = 7, scalar) uniform View { ViewParams view; };
+layout(binding = 8) uniform usampler2D ids;
+layout(binding = 9, r32f) writeonly uniform image2D outDepth;
+layout(binding = 10, r32ui) writeonly uniform uimage2D outNormal;
+layout(binding = 11, rgba32ui) writeonly uniform uimage2D outMaterial;
+layout(binding = 12, rgba16f) writeonly uniform image2D outEmissive;
+layout(binding = 15) uniform samplerBuffer secondUvs;
+
+TexturePoint interpolate(vec2 a, vec2 b, vec2 c, vec3 at, vec3 dx, vec3 dy) {
+    return TexturePoint(a * at.x + b * at.y + c * at.z, a * dx.x + b * dx.y + c * dx.z,
+                        a * dy.x + b * dy.y + c * dy.z);
+}
 
 void main() {
     const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
@@ -40,59 +48,53 @@ void main() {
                        view.clipFromWorld * vec4(t.p2, 1), (vec2(pixel) + 0.5) * toNdc - 1);
     const vec3 dx = b.dx * toNdc.x, dy = b.dy * toNdc.y;  // per pixel
 
-    const vec2 uvA = sceneVertices[t.vertices.x].uv0, uvB = sceneVertices[t.vertices.y].uv0,
-               uvC = sceneVertices[t.vertices.z].uv0;
-    const TexturePoint p0 = TexturePoint(uvA * b.at.x + uvB * b.at.y + uvC * b.at.z,
-                                         uvA * dx.x + uvB * dx.y + uvC * dx.z,
-                                         uvA * dy.x + uvB * dy.y + uvC * dy.z);
-    TexturePoint p1 = p0;
-    if (kUvTransforms != 0) {
-        const vec2 a = sceneVertices[t.vertices.x].uv1, c = sceneVertices[t.vertices.y].uv1,
-                   d = sceneVertices[t.vertices.z].uv1;
-        p1 = TexturePoint(a * b.at.x + c * b.at.y + d * b.at.z, a * dx.x + c * dx.y + d * dx.z,
-                          a * dy.x + c * dy.y + d * dy.z);
-    }
-    const GpuMaterial material = materials[t.material];
+    const GpuVertexAttributes a0 = loadAttributes(t.vertices.x), a1 = loadAttributes(t.vertices.y),
+                              a2 = loadAttributes(t.vertices.z);
+    TexturePlace place;
+    place.material = t.material;
+    place.set0 = interpolate(a0.uv, a1.uv, a2.uv, b.at, dx, dy);
+    if (kUvTransforms != 0)
+        place.set1 = interpolate(texelFetch(secondUvs, int(t.vertices.x)).xy,
+                                 texelFetch(secondUvs, int(t.vertices.y)).xy,
+                                 texelFetch(secondUvs, int(t.vertices.z)).xy, b.at, dx, dy);
+    const GpuMaterial material = loadMaterial(t.material);
 
     // The side that is seen: of a double-sided surface the normals turn towards the eye.
     const vec3 position = t.p0 * b.at.x + t.p1 * b.at.y + t.p2 * b.at.z;
     const float side = dot(faceNormal(t), view.eye - position) < 0 ? -1 : 1;
     const vec3 normal = vertexNormal(t, b.at);
     vec3 shadingNormal = normal;
-    if (kNormalMaps != 0 && material.normalTexture.array != LS_NO_TEXTURE) {
-        const vec4 tangentA = unpackTangent(sceneVertices[t.vertices.x].tangent);
-        const vec3 tangentObject =
-            tangentA.xyz * b.at.x +
-            unpackTangent(sceneVertices[t.vertices.y].tangent).xyz * b.at.y +
-            unpackTangent(sceneVertices[t.vertices.z].tangent).xyz * b.at.z;
-        const vec3 tangent = transformDirection(t.instance, tangentObject);
+    if (kNormalArrays != 0 && material.normalTexture != LS_NO_TEXTURE) {
+        const vec4 tangent0 = unpackTangent(a0.tangent);
+        const vec3 tangent = transformDirection(
+            t.instance, tangent0.xyz * b.at.x + unpackTangent(a1.tangent).xyz * b.at.y +
+                            unpackTangent(a2.tangent).xyz * b.at.z);
         const float handedness =
-            (t.instance.flags & LS_INSTANCE_REFLECTED) != 0 ? -tangentA.w : tangentA.w;
+            (t.instance.flags & LS_INSTANCE_REFLECTED) != 0 ? -tangent0.w : tangent0.w;
         const vec3 along = tangent - normal * dot(normal, tangent);
         const vec3 tu = along * inversesqrt(max(dot(along, along), 1e-36));
         const vec3 tv = handedness * cross(normal, tu);
-        const vec3 m = sampleTexture(material.normalTexture, p0, p1).xyz * 2 - 1;
+        const vec3 m = sampleTexture(material.normalTexture, 1, place, kNormalArrays).xyz * 2 - 1;
         const vec2 bend = m.xy * material.normalScale;
         shadingNormal = normalize(tu * bend.x + tv * bend.y + normal * max(m.z, 1e-3));
     }
 
     const vec4 color =
-        unpackUnorm4x8(sceneVertices[t.vertices.x].color) * b.at.x +
-        unpackUnorm4x8(sceneVertices[t.vertices.y].color) * b.at.y +
-        unpackUnorm4x8(sceneVertices[t.vertices.z].color) * b.at.z;
+        unpackUnorm4x8(a0.color) * b.at.x + unpackUnorm4x8(a1.color) * b.at.y +
+        unpackUnorm4x8(a2.color) * b.at.z;
     vec3 albedo = material.baseColor.rgb * color.rgb;
-    if (kTextureArrays != 0) albedo *= sampleTexture(material.baseColorTexture, p0, p1).rgb;
+    if (kBaseColorArrays != 0) albedo *= sampleTexture(material.baseColorTexture, 0, place, kBaseColorArrays).rgb;
 
     float occlusion = 1, roughness = material.roughness, metallic = material.metallic;
-    if (kMetallicRoughnessMaps != 0) {
-        const vec4 orm = sampleTexture(material.metallicRoughnessTexture, p0, p1);
+    if (kMetallicRoughnessArrays != 0) {
+        const vec4 orm = sampleTexture(material.metallicRoughnessTexture, 2, place, kMetallicRoughnessArrays);
         roughness *= orm.g;
         metallic *= orm.b;
-        if (kOcclusionShared != 0 && material.occlusionTexture.array != LS_NO_TEXTURE)
+        if (kOcclusionShared != 0 && material.occlusionTexture != LS_NO_TEXTURE)
             occlusion = mix(1.0, orm.r, material.occlusionStrength);
     }
-    if (kOcclusionMaps != 0)
-        occlusion = mix(1.0, sampleTexture(material.occlusionTexture, p0, p1).r,
+    if (kOcclusionArrays != 0)
+        occlusion = mix(1.0, sampleTexture(material.occlusionTexture, 3, place, kOcclusionArrays).r,
                         material.occlusionStrength);
 
     imageStore(outDepth, pixel, vec4(b.depth));
@@ -104,7 +106,7 @@ void main() {
                      packNormal(side * shadingNormal), packNormal(side * normal)));
     if (kEmissive != 0) {
         vec3 emissive = material.emissive;
-        if (kEmissiveMaps != 0) emissive *= sampleTexture(material.emissiveTexture, p0, p1).rgb;
+        if (kEmissiveArrays != 0) emissive *= sampleTexture(material.emissiveTexture, 4, place, kEmissiveArrays).rgb;
         imageStore(outEmissive, pixel, vec4(emissive, 0));
     }
 }

@@ -22,12 +22,14 @@ gpu::Image surfaceImage(const gpu::Device& device, vk::Extent2D extent, vk::Form
 }
 
 gpu::Specialization constants(const scene::SceneFeatures& f) {
-    const bool shared = f.occlusionMaps && f.metallicRoughnessMaps &&
-                        f.occlusionSharesMetallicRoughness;
-    return {f.textureArrays,           f.uvTransforms,
-            f.normalMaps,              f.metallicRoughnessMaps,
-            f.occlusionMaps && !shared, shared,
-            f.emissive,                f.emissiveMaps};
+    return {f.uvTransforms,
+            f.baseColorArrays,
+            f.normalArrays,
+            f.metallicRoughnessArrays,
+            f.occlusionShared ? 0 : f.occlusionArrays,
+            f.emissiveArrays,
+            f.occlusionShared,
+            f.emissive};
 }
 
 }  // namespace
@@ -45,8 +47,9 @@ Rebuild::Rebuild(const gpu::Device& device, const scene::SceneFeatures& features
       kernel(device, "rebuild", kCode,
              scene::withSceneSlots({Slot::uniformBuffer, Slot::sampledImage, Slot::storageImage,
                                     Slot::storageImage, Slot::storageImage, Slot::storageImage,
-                                    Slot::storageBuffer,
-                                    {Slot::sampledImage, shared::LS_TEXTURE_ARRAYS}}),
+                                    Slot::texelBuffer,
+                                    {Slot::sampledImage, shared::LS_TEXTURE_ARRAYS},
+                                    Slot::texelBuffer}),
              0, constants(features)) {}
 
 void Rebuild::record(gpu::Recorder& rec, const scene::GpuScene& scene, const Inputs& in,
@@ -60,7 +63,8 @@ void Rebuild::record(gpu::Recorder& rec, const scene::GpuScene& scene, const Inp
                                           out.material,
                                           out.emissive,
                                           scene.materials,
-                                          {scene.textureViews(), textureSampler}}));
+                                          {scene.textureViews(), textureSampler},
+                                 scene.secondUvs}));
 }
 
 }  // namespace lodestar::visibility

@@ -4,28 +4,28 @@
 #define LS_TRIANGLE_GLSL
 #include "../scene/scene.glsl"
 
-/// Cheap to keep, enough to fetch the rest.
 struct Triangle {
     GpuInstance instance;
     uint material;
-    uvec3 vertices;          // into sceneVertices
-    vec3 p0, p1, p2;         // world positions
+    uvec3 vertices;      // numbers of its vertices
+    vec3 p0, p1, p2;     // world positions
+    vec3 n0, n1, n2;     // object-space normals
 };
 
 Triangle loadTriangle(uint id) {
-    const GpuCluster cluster = sceneClusters[id >> LS_TRIANGLE_BITS];
-    const GpuMeshlet meshlet = sceneMeshlets[cluster.meshlet];
-    const uint word = sceneMeshletTriangles[meshlet.triangleOffset + (id & LS_TRIANGLE_MASK)];
-    const uvec3 local = uvec3(word & 255, word >> 8 & 255, word >> 16 & 255) + meshlet.vertexOffset;
-
+    const GpuCluster cluster = loadCluster(id >> LS_TRIANGLE_BITS);
+    const GpuTriangle stored = loadStoredTriangle(cluster.triangles + (id & LS_TRIANGLE_MASK));
+    const GpuVertex a = loadVertex(stored.a), b = loadVertex(stored.b), c = loadVertex(stored.c);
     Triangle t;
-    t.instance = sceneInstances[cluster.instance];
-    t.material = meshlet.material;
-    t.vertices = uvec3(sceneMeshletVertices[local.x], sceneMeshletVertices[local.y],
-                       sceneMeshletVertices[local.z]);
-    t.p0 = transformPoint(t.instance, sceneVertices[t.vertices.x].position);
-    t.p1 = transformPoint(t.instance, sceneVertices[t.vertices.y].position);
-    t.p2 = transformPoint(t.instance, sceneVertices[t.vertices.z].position);
+    t.instance = loadInstance(cluster.instance);
+    t.material = cluster.material;
+    t.vertices = uvec3(stored.a, stored.b, stored.c);
+    t.p0 = transformPoint(t.instance, a.position);
+    t.p1 = transformPoint(t.instance, b.position);
+    t.p2 = transformPoint(t.instance, c.position);
+    t.n0 = unpackNormal(a.normal);
+    t.n1 = unpackNormal(b.normal);
+    t.n2 = unpackNormal(c.normal);
     return t;
 }
 
@@ -66,11 +66,10 @@ Barycentrics barycentricsAt(vec4 clip0, vec4 clip1, vec4 clip2, vec2 ndc) {
     return b;
 }
 
+/// The interpolated vertex normal, world, unit length.
 vec3 vertexNormal(Triangle t, vec3 weights) {
-    const vec3 n = unpackNormal(sceneVertices[t.vertices.x].normal) * weights.x +
-                   unpackNormal(sceneVertices[t.vertices.y].normal) * weights.y +
-                   unpackNormal(sceneVertices[t.vertices.z].normal) * weights.z;
-    const vec3 world = transformNormal(t.instance, n);
+    const vec3 world =
+        transformNormal(t.instance, t.n0 * weights.x + t.n1 * weights.y + t.n2 * weights.z);
     const float l = dot(world, world);
     return l > 1e-36 ? world * inversesqrt(l) : faceNormal(t);
 }
