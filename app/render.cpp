@@ -206,6 +206,14 @@ Result<void> writeReport(const Options& options, const Session& session, const J
     return writeJson(options.json, toJson(report));
 }
 
+/// An error when the validation layers had anything to say.
+Result<void> validationVerdict(const gpu::Device& device) {
+    const auto messages = device.validationMessages();
+    if (messages.empty()) return {};
+    return fail(fmt::format("the validation layers said {} things, first: {}", messages.size(),
+                            printable(messages.front())));
+}
+
 Result<void> run(Options options) {
     auto session = openSession(options.scene, options.device);
     if (!session) return tl::unexpected(session.error());
@@ -278,7 +286,7 @@ Result<void> run(Options options) {
         files.push_back(options.json);
     }
     for (const fs::path& file : files) fmt::print("wrote {}\n", file.string());
-    return {};
+    return validationVerdict(*session->device);
 }
 
 }  // namespace
