@@ -218,7 +218,8 @@ Device::Device(const DeviceRequest& request) {
         using Type = vk::DebugUtilsMessageTypeFlagBitsEXT;
         messenger.emplace(*instance, vk::DebugUtilsMessengerCreateInfoEXT{
                                          .messageSeverity = Severity::eWarning | Severity::eError,
-                                         .messageType = Type::eValidation | Type::ePerformance,
+                                         // Not ePerformance: it minds that images live in GENERAL.
+                                         .messageType = Type::eValidation,
                                          .pfnUserCallback = &onMessage,
                                          .pUserData = &messages});
     }
