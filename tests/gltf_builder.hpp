@@ -20,7 +20,7 @@ public:
         while (bin.size() % 4 != 0) bin.push_back(0);
         const std::size_t offset = bin.size(), length = values.size() * sizeof(T);
         bin.resize(offset + length);
-        std::memcpy(bin.data() + offset, values.data(), length);
+        if (length > 0) std::memcpy(bin.data() + offset, values.data(), length);
         json["bufferViews"].push_back(
             {{"buffer", 0}, {"byteOffset", offset}, {"byteLength", length}});
         return json["bufferViews"].size() - 1;

@@ -18,8 +18,9 @@ constexpr std::uint32_t kJsonChunk = 0x4e4f534a;
 constexpr std::uint32_t kBinChunk = 0x004e4942;
 // Deeper JSON than any exporter writes; recursive code downstream is safe up to here.
 constexpr int kMaxDepth = 256;
-constexpr std::uint64_t kBaseBudget = 128ull << 20;
-constexpr std::uint64_t kBudgetPerByte = 128;
+// A tightly packed mesh (Draco) takes about 200 times its bytes while it is unpacked.
+constexpr std::uint64_t kBaseBudget = 256ull << 20;
+constexpr std::uint64_t kBudgetPerByte = 256;
 
 struct Container {
     std::string_view json;

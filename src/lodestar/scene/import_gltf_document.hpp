@@ -7,6 +7,7 @@
 #include <set>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <lodestar/scene/import_gltf_place.hpp>
@@ -77,6 +78,9 @@ struct Document {
     void spend(std::uint64_t bytes, const std::string& place);
     void addFileBytes(std::uint64_t bytes);
 };
+
+/// Extensions that are read. A file may require these and no others.
+bool isSupported(std::string_view extension);
 
 /// Splits the container and parses its JSON; loads all buffers.
 Document readDocument(Bytes file, const std::filesystem::path& folder);

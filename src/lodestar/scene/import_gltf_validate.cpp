@@ -42,7 +42,7 @@ void validateHead(const Document& document) {
                           "convert it to glTF 2.0");
     for (const Place& used : root.elements("extensionsUsed")) used.text();
     for (const Place& required : root.elements("extensionsRequired"))
-        if (std::find(kSupported.begin(), kSupported.end(), required.text()) == kSupported.end())
+        if (!isSupported(required.text()))
             required.refuse(
                 fmt::format("requires {}, which is not supported", cleaned(required.text())),
                 "export it without that extension");
@@ -283,6 +283,10 @@ std::vector<std::size_t> jointsOfMeshes(const Place& root) {
 }
 
 }  // namespace
+
+bool isSupported(std::string_view extension) {
+    return std::find(kSupported.begin(), kSupported.end(), extension) != kSupported.end();
+}
 
 void validateViewsAndAccessors(Document& document) {
     const Place root = document.root();
