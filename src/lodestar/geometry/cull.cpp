@@ -60,7 +60,7 @@ DrawList::DrawList(const gpu::Device& device, const scene::GpuScene& scene, cons
 Cull::Cull(const gpu::Device& device)
     : clusters(device, "cull clusters", kClustersCode, scene::withSceneSlots(storageSlots(1)),
                sizeof(shared::CullClustersParams)),
-      compact(device, "compact clusters", kCompactCode, storageSlots(4),
+      compact(device, "compact clusters", kCompactCode, storageSlots(5),
               sizeof(shared::CompactParams)),
       triangles(device, "cull triangles", kTrianglesCode, scene::withSceneSlots(storageSlots(4)),
                 sizeof(shared::CullTrianglesParams)),
@@ -81,7 +81,8 @@ void Cull::record(gpu::Recorder& rec, const scene::GpuScene& scene, const CullVi
     shared::CompactParams bins{};
     std::copy(scene.binStarts().begin(), scene.binStarts().end(), bins.binStarts);
     rec.dispatch(compact, oneAThread,
-                 {list.clusterOffsets, list.visible, list.triangleOffsets, list.counts}, bins);
+                 {list.clusterOffsets, list.visible, list.triangleOffsets, list.masks, list.counts},
+                 bins);
     rec.barrier(Stage::compute, Stage::compute);
     rec.barrier(Stage::compute, Stage::indirect);
 

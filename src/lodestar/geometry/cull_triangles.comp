@@ -3,21 +3,20 @@
 #include "../scene/scene.glsl"
 #include "cull_params.h"
 
-// One workgroup a visible cluster: which of its triangles can cover a pixel centre. The rasteriser
-// would drop the others too, but one at a time.
-layout(local_size_x = 64) in;
+// One thread a triangle of the visible clusters: can it cover a pixel centre? The rasteriser would
+// drop the others too, but one at a time. No workgroup memory: on a CPU driver its barriers would
+// cost more than the test.
+layout(local_size_x = LS_CULL_GROUP) in;
 
 layout(binding = 7, scalar) readonly buffer Visible { uint visible[]; };
 layout(binding = 8, scalar) readonly buffer Counts { VisibleCounts counts; };
-layout(binding = 9, scalar) writeonly buffer Masks { uvec4 masks[]; };
-layout(binding = 10, scalar) writeonly buffer Triangles { uint triangleCounts[]; };
+layout(binding = 9, scalar) buffer Masks { uint masks[]; };  // four words a cluster
+layout(binding = 10, scalar) buffer Triangles { uint triangleCounts[]; };
 layout(push_constant, scalar) uniform Push { CullTrianglesParams params; };
 
 // Rasterisers snap vertices to a grid of at least 1/16 pixel (commonly 1/256); what is decided here
 // must hold wherever the vertices are snapped to.
 const float kSnap = 1.0 / 16;
-
-shared uint mask[4];
 
 bool canCoverAPixel(vec4 a, vec4 b, vec4 c, bool doubleSided) {
     // Outside one side plane as a whole; true in clip space for any w.
@@ -41,33 +40,24 @@ bool canCoverAPixel(vec4 a, vec4 b, vec4 c, bool doubleSided) {
 }
 
 void main() {
-    const uint which = gl_WorkGroupID.x + gl_WorkGroupID.y * gl_NumWorkGroups.x;
+    const uint slot = triangleSlot(gl_WorkGroupID, gl_NumWorkGroups, gl_LocalInvocationID.x);
+    const uint which = slot / LS_CLUSTER_SLOTS, t = slot % LS_CLUSTER_SLOTS;
     if (which >= counts.clusters) return;
-    const uint thread = gl_LocalInvocationID.x;
-    if (thread < 4) mask[thread] = 0;
-    barrier();
-
     const uint index = visible[which];
+    const GpuCluster cluster = loadCluster(index);
+    if (t >= cluster.triangleCount) return;
     const bool doubleSided = (index >= params.binStarts[1] && index < params.binStarts[2]) ||
                              index >= params.binStarts[3];
-    const GpuCluster cluster = loadCluster(index);
     const GpuInstance instance = loadInstance(cluster.instance);
     const bool reflected = (instance.flags & LS_INSTANCE_REFLECTED) != 0;
-    for (uint t = thread; t < cluster.triangleCount; t += 64) {
-        const GpuTriangle triangle = loadStoredTriangle(cluster.triangles + t);
-        const vec4 a = params.clipFromWorld *
-                       vec4(transformPoint(instance, loadVertex(triangle.a).position), 1);
-        const vec4 b = params.clipFromWorld *
-                       vec4(transformPoint(instance, loadVertex(triangle.b).position), 1);
-        const vec4 c = params.clipFromWorld *
-                       vec4(transformPoint(instance, loadVertex(triangle.c).position), 1);
-        if (canCoverAPixel(a, reflected ? c : b, reflected ? b : c, doubleSided))
-            atomicOr(mask[t / 32], 1u << (t & 31));
-    }
-    barrier();
-    if (thread != 0) return;
-    const uvec4 all = uvec4(mask[0], mask[1], mask[2], mask[3]);
-    masks[which] = all;
-    const ivec4 bits = bitCount(all);
-    triangleCounts[which] = uint(bits.x + bits.y + bits.z + bits.w);
+    const GpuTriangle triangle = loadStoredTriangle(cluster.triangles + t);
+    const vec4 a = params.clipFromWorld *
+                   vec4(transformPoint(instance, loadVertex(triangle.a).position), 1);
+    const vec4 b = params.clipFromWorld *
+                   vec4(transformPoint(instance, loadVertex(triangle.b).position), 1);
+    const vec4 c = params.clipFromWorld *
+                   vec4(transformPoint(instance, loadVertex(triangle.c).position), 1);
+    if (!canCoverAPixel(a, reflected ? c : b, reflected ? b : c, doubleSided)) return;
+    atomicOr(masks[4 * which + t / 32], 1u << (t & 31));
+    atomicAdd(triangleCounts[which], 1);
 }
