@@ -3,9 +3,9 @@
 
 #include <glm/gtc/packing.hpp>
 
-#include <lodestar/gpu/readback.hpp>
 #include <lodestar/shading/light_params.h>
 #include <lodestar/visibility/view_params.h>
+#include <lodestar/gpu/readback.hpp>
 
 namespace lodestar::frame {
 namespace {
@@ -15,10 +15,11 @@ using Usage = vk::ImageUsageFlagBits;
 
 gpu::Image target(const gpu::Device& device, vk::Extent2D extent, vk::Format format,
                   const char* name, vk::ImageUsageFlags extra = {}) {
-    return {device, {.name = name,
-                     .format = format,
-                     .extent = extent,
-                     .usage = Usage::eSampled | Usage::eTransferSrc | extra}};
+    return {device,
+            {.name = name,
+             .format = format,
+             .extent = extent,
+             .usage = Usage::eSampled | Usage::eTransferSrc | extra}};
 }
 
 gpu::Image makeSkyImage(const gpu::Device& device, const shading::Sky& sky) {
@@ -108,11 +109,11 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
     if (levers.shadingRate > 1) {
         coarse.record(rec, *scene, coarseInputs, levers.shadingRate, coarseImage);
         rec.barrier(Stage::compute, Stage::compute);
-        upsample.record(rec,
-                        {coarseImage, surfaces.depth, surfaces.normal,
-                         shading::coarseExtent(options.size, levers.shadingRate),
-                         levers.shadingRate},
-                        options.sigmas, termImage);
+        upsample.record(
+            rec,
+            {coarseImage, surfaces.depth, surfaces.normal,
+             shading::coarseExtent(options.size, levers.shadingRate), levers.shadingRate},
+            options.sigmas, termImage);
     } else {
         coarse.recordFull(rec, *scene, coarseInputs, termImage);
     }

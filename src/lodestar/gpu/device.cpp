@@ -43,7 +43,8 @@ vk::raii::Instance makeInstance(const vk::raii::Context& context, bool validatio
     if (hasInstanceExtension(context, VK_EXT_DEBUG_UTILS_EXTENSION_NAME))
         extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
 
-    const vk::ApplicationInfo application{.pApplicationName = "lodestar", .apiVersion = kApiVersion};
+    const vk::ApplicationInfo application{.pApplicationName = "lodestar",
+                                          .apiVersion = kApiVersion};
     const std::array enabled{vk::ValidationFeatureEnableEXT::eSynchronizationValidation};
     const vk::ValidationFeaturesEXT features{
         .enabledValidationFeatureCount = static_cast<std::uint32_t>(enabled.size()),
@@ -114,9 +115,9 @@ constexpr RequiredFeature kRequiredFeatures[] = {
 };
 
 FeatureChain supportedFeatures(const vk::raii::PhysicalDevice& device) {
-    return device.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan11Features,
-                               vk::PhysicalDeviceVulkan12Features,
-                               vk::PhysicalDeviceVulkan13Features>();
+    return device
+        .getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan11Features,
+                      vk::PhysicalDeviceVulkan12Features, vk::PhysicalDeviceVulkan13Features>();
 }
 
 std::string whyUnusable(const vk::raii::PhysicalDevice& device) {
@@ -135,8 +136,8 @@ std::string whyUnusable(const vk::raii::PhysicalDevice& device) {
 }
 
 DeviceDescription describe(const vk::raii::PhysicalDevice& device, std::uint32_t index) {
-    const auto chain = device.getProperties2<vk::PhysicalDeviceProperties2,
-                                             vk::PhysicalDeviceDriverProperties>();
+    const auto chain =
+        device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
     const auto& properties = chain.get<vk::PhysicalDeviceProperties2>().properties;
     const auto& driver = chain.get<vk::PhysicalDeviceDriverProperties>();
     return {.index = index,
@@ -163,7 +164,8 @@ struct Choice {
 
 Choice choose(const std::vector<DeviceDescription>& devices, const std::string& request) {
     std::string list;
-    for (const auto& d : devices) list += fmt::format("{}{}: {}", list.empty() ? "" : ", ", d.index, d.name);
+    for (const auto& d : devices)
+        list += fmt::format("{}{}: {}", list.empty() ? "" : ", ", d.index, d.name);
     if (devices.empty())
         throw DeviceError(
             "the Vulkan drivers installed report no device; install one that fits this machine (on "
@@ -269,13 +271,13 @@ void Device::open(std::uint32_t) {
     const vk::DeviceQueueCreateInfo queueInfo{
         .queueFamilyIndex = family, .queueCount = 1, .pQueuePriorities = &priority};
     const auto extensions = requiredExtensions();
-    device.emplace(*physicalDevice,
-                   vk::DeviceCreateInfo{
-                       .pNext = &enabled.get<vk::PhysicalDeviceFeatures2>(),
-                       .queueCreateInfoCount = 1,
-                       .pQueueCreateInfos = &queueInfo,
-                       .enabledExtensionCount = static_cast<std::uint32_t>(extensions.size()),
-                       .ppEnabledExtensionNames = extensions.data()});
+    device.emplace(
+        *physicalDevice,
+        vk::DeviceCreateInfo{.pNext = &enabled.get<vk::PhysicalDeviceFeatures2>(),
+                             .queueCreateInfoCount = 1,
+                             .pQueueCreateInfos = &queueInfo,
+                             .enabledExtensionCount = static_cast<std::uint32_t>(extensions.size()),
+                             .ppEnabledExtensionNames = extensions.data()});
     queueHandle = *device->getQueue(family, 0);
 }
 
@@ -318,7 +320,8 @@ vk::raii::DeviceMemory Device::allocate(const vk::MemoryRequirements& requiremen
         if (!(requirements.memoryTypeBits & (1u << i))) continue;
         if ((memoryProperties.memoryTypes[i].propertyFlags & flags) != flags) continue;
         vk::raii::DeviceMemory memory(
-            *device, vk::MemoryAllocateInfo{.allocationSize = requirements.size, .memoryTypeIndex = i});
+            *device,
+            vk::MemoryAllocateInfo{.allocationSize = requirements.size, .memoryTypeIndex = i});
         ledger[*memory] = {name, requirements.size};
         bytesNow += requirements.size;
         bytesPeak = std::max(bytesPeak, bytesNow);

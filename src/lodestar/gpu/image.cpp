@@ -5,7 +5,9 @@
 
 namespace lodestar::gpu {
 
-bool isDepth(vk::Format format) { return format == vk::Format::eD32Sfloat; }
+bool isDepth(vk::Format format) {
+    return format == vk::Format::eD32Sfloat;
+}
 
 std::size_t texelBytes(vk::Format format) {
     switch (format) {
@@ -14,50 +16,53 @@ std::size_t texelBytes(vk::Format format) {
         case vk::Format::eR32Uint:
         case vk::Format::eR32Sfloat:
         case vk::Format::eR16G16Snorm:
-        case vk::Format::eD32Sfloat: return 4;
+        case vk::Format::eD32Sfloat:
+            return 4;
         case vk::Format::eR16G16B16A16Sfloat:
         case vk::Format::eR32G32Uint:
-        case vk::Format::eR32G32Sfloat: return 8;
+        case vk::Format::eR32G32Sfloat:
+            return 8;
         case vk::Format::eR32G32B32A32Uint:
-        case vk::Format::eR32G32B32A32Sfloat: return 16;
-        default: throw std::invalid_argument("texelBytes: format " + vk::to_string(format));
+        case vk::Format::eR32G32B32A32Sfloat:
+            return 16;
+        default:
+            throw std::invalid_argument("texelBytes: format " + vk::to_string(format));
     }
 }
 
 Image::Image(const Device& owner, const ImageInfo& info) : device(&owner) {
     if (info.extent.width == 0 || info.extent.height == 0)
         throw std::invalid_argument("ImageInfo::extent: 0 in image '" + info.name + "'");
-    image = vk::raii::Image(owner.vk(),
-                            vk::ImageCreateInfo{.imageType = vk::ImageType::e2D,
-                                                .format = info.format,
-                                                .extent = {info.extent.width, info.extent.height, 1},
-                                                .mipLevels = info.levels,
-                                                .arrayLayers = info.layers,
-                                                .samples = vk::SampleCountFlagBits::e1,
-                                                .tiling = vk::ImageTiling::eOptimal,
-                                                .usage = info.usage});
-    memory = owner.allocate(image.getMemoryRequirements(),
-                            vk::MemoryPropertyFlagBits::eDeviceLocal, info.name);
+    image = vk::raii::Image(
+        owner.vk(), vk::ImageCreateInfo{.imageType = vk::ImageType::e2D,
+                                        .format = info.format,
+                                        .extent = {info.extent.width, info.extent.height, 1},
+                                        .mipLevels = info.levels,
+                                        .arrayLayers = info.layers,
+                                        .samples = vk::SampleCountFlagBits::e1,
+                                        .tiling = vk::ImageTiling::eOptimal,
+                                        .usage = info.usage});
+    memory = owner.allocate(image.getMemoryRequirements(), vk::MemoryPropertyFlagBits::eDeviceLocal,
+                            info.name);
     image.bindMemory(*memory, 0);
     owner.name(image, info.name);
 
-    const vk::ImageSubresourceRange range{
-        .aspectMask = isDepth(info.format) ? vk::ImageAspectFlagBits::eDepth
-                                           : vk::ImageAspectFlagBits::eColor,
-        .levelCount = info.levels,
-        .layerCount = info.layers};
+    const vk::ImageSubresourceRange range{.aspectMask = isDepth(info.format)
+                                                            ? vk::ImageAspectFlagBits::eDepth
+                                                            : vk::ImageAspectFlagBits::eColor,
+                                          .levelCount = info.levels,
+                                          .layerCount = info.layers};
     const bool array = info.array || info.layers > 1;
     const auto viewOf = [&](std::uint32_t base, std::uint32_t count) {
         vk::ImageSubresourceRange part = range;
         part.baseMipLevel = base;
         part.levelCount = count;
         vk::raii::ImageView view(
-            owner.vk(),
-            vk::ImageViewCreateInfo{
-                .image = *image,
-                .viewType = array ? vk::ImageViewType::e2DArray : vk::ImageViewType::e2D,
-                .format = info.format,
-                .subresourceRange = part});
+            owner.vk(), vk::ImageViewCreateInfo{.image = *image,
+                                                .viewType = array ? vk::ImageViewType::e2DArray
+                                                                  : vk::ImageViewType::e2D,
+                                                .format = info.format,
+                                                .subresourceRange = part});
         owner.name(view, fmt::format("{} levels {}+{}", info.name, base, count));
         return view;
     };
@@ -70,15 +75,15 @@ Image::Image(const Device& owner, const ImageInfo& info) : device(&owner) {
         const vk::ImageMemoryBarrier2 toGeneral{
             .srcStageMask = vk::PipelineStageFlagBits2::eNone,
             .dstStageMask = vk::PipelineStageFlagBits2::eAllCommands,
-            .dstAccessMask =
-                vk::AccessFlagBits2::eMemoryRead | vk::AccessFlagBits2::eMemoryWrite,
+            .dstAccessMask = vk::AccessFlagBits2::eMemoryRead | vk::AccessFlagBits2::eMemoryWrite,
             .oldLayout = vk::ImageLayout::eUndefined,
             .newLayout = vk::ImageLayout::eGeneral,
             .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
             .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
             .image = *image,
             .subresourceRange = range};
-        commands.pipelineBarrier2({.imageMemoryBarrierCount = 1, .pImageMemoryBarriers = &toGeneral});
+        commands.pipelineBarrier2(
+            {.imageMemoryBarrierCount = 1, .pImageMemoryBarriers = &toGeneral});
     });
 }
 

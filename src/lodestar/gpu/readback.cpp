@@ -22,13 +22,13 @@ void between(const vk::raii::CommandBuffer& commands, const vk::MemoryBarrier2& 
 }
 
 vk::BufferImageCopy copyOf(const View& view, std::uint32_t level, std::uint32_t layers) {
-    return {.imageSubresource = {.aspectMask = isDepth(view.format)
-                                                   ? vk::ImageAspectFlagBits::eDepth
-                                                   : vk::ImageAspectFlagBits::eColor,
-                                 .mipLevel = level,
-                                 .layerCount = layers},
-            .imageExtent = {std::max(1u, view.extent.width >> level),
-                            std::max(1u, view.extent.height >> level), 1}};
+    return {
+        .imageSubresource = {.aspectMask = isDepth(view.format) ? vk::ImageAspectFlagBits::eDepth
+                                                                : vk::ImageAspectFlagBits::eColor,
+                             .mipLevel = level,
+                             .layerCount = layers},
+        .imageExtent = {std::max(1u, view.extent.width >> level),
+                        std::max(1u, view.extent.height >> level), 1}};
 }
 
 std::vector<std::byte> copyOut(const Buffer& staging, std::uint64_t bytes) {
@@ -39,8 +39,7 @@ std::vector<std::byte> copyOut(const Buffer& staging, std::uint64_t bytes) {
 }  // namespace
 
 std::vector<std::byte> readImage(const Device& device, const View& view) {
-    const std::uint64_t bytes =
-        texelBytes(view.format) * view.extent.width * view.extent.height;
+    const std::uint64_t bytes = texelBytes(view.format) * view.extent.width * view.extent.height;
     const Buffer staging(device, "read-back", bytes, Residence::mapped);
     device.runNow([&](const vk::raii::CommandBuffer& commands) {
         between(commands, kAllToTransfer);

@@ -49,7 +49,8 @@ SunView fitSun(glm::vec3 toSun, const scene::Bounds& bounds, const scene::Camera
     const auto size = static_cast<float>(mapSize);
     sun.texel = 2 * radius / size;
     // Casters anywhere in the scene count, receivers too: the depth range is the scene's.
-    const float front = glm::dot(bounds.empty() ? glm::vec3(0) : bounds.centre(), z) + sceneRadius * 1.02f;
+    const float front =
+        glm::dot(bounds.empty() ? glm::vec3(0) : bounds.centre(), z) + sceneRadius * 1.02f;
     const float range = 2 * sceneRadius * 1.04f;
     sun.depthScale = 1 / range;
 

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
-#include <lodestar/upsample/upsample.hpp>
 #include <lodestar/upsample/upsample_params.h>
+#include <lodestar/upsample/upsample.hpp>
 
 namespace lodestar::upsample {
 namespace {
@@ -15,12 +15,17 @@ using gpu::Slot;
 
 std::uint32_t domainOf(Reconstruct kind) {
     switch (kind) {
-        case Reconstruct::nearest: return shared::LS_DOMAIN_NEAREST;
+        case Reconstruct::nearest:
+            return shared::LS_DOMAIN_NEAREST;
         case Reconstruct::bilateral:
-        case Reconstruct::bilinear: return shared::LS_DOMAIN_TENT;
-        case Reconstruct::biquadratic: return shared::LS_DOMAIN_QUADRATIC;
-        case Reconstruct::bicubic: return shared::LS_DOMAIN_CUBIC;
-        case Reconstruct::gaussian: return shared::LS_DOMAIN_GAUSSIAN;
+        case Reconstruct::bilinear:
+            return shared::LS_DOMAIN_TENT;
+        case Reconstruct::biquadratic:
+            return shared::LS_DOMAIN_QUADRATIC;
+        case Reconstruct::bicubic:
+            return shared::LS_DOMAIN_CUBIC;
+        case Reconstruct::gaussian:
+            return shared::LS_DOMAIN_GAUSSIAN;
     }
     throw std::invalid_argument("Reconstruct");
 }
@@ -61,12 +66,10 @@ void Upsample::record(gpu::Recorder& rec, const Inputs& in, const Sigmas& sigmas
                                         .normalFalloff = falloff(sigmas.n, "n")};
     const bool flat = params.depthFalloff == 0 && params.normalFalloff == 0;
     const auto pass = rec.pass("upsample");
-    rec.dispatch(flat ? plain : guided, gpu::groups8x8(in.depth.extent),
-                 {{in.coarse, pointSampler},
-                  {in.depth, pointSampler},
-                  {in.normal, pointSampler},
-                  terms},
-                 params);
+    rec.dispatch(
+        flat ? plain : guided, gpu::groups8x8(in.depth.extent),
+        {{in.coarse, pointSampler}, {in.depth, pointSampler}, {in.normal, pointSampler}, terms},
+        params);
 }
 
 }  // namespace lodestar::upsample
