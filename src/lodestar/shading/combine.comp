@@ -88,7 +88,8 @@ void main() {
                 environmentReflectance(s) * albedo.a;
     if (light.lightCount > 0) radiance += punctual(s, view.eye + ray * depth);
     if (kEmissive != 0) radiance += texelFetch(surfaceEmissive, pixel, 0).rgb;
-    if (kUnlit != 0 && (material.y >> 16 & LS_MATERIAL_UNLIT) != 0)
-        radiance = albedo.rgb * albedo.rgb / light.exposure;
-    imageStore(outRadiance, pixel, vec4(radiance, 1));
+    // Unlit surfaces show the colour they were given: alpha 0 keeps the tone curve off them.
+    const bool unlit = kUnlit != 0 && (material.y >> 16 & LS_MATERIAL_UNLIT) != 0;
+    if (unlit) radiance = albedo.rgb * albedo.rgb / light.exposure;
+    imageStore(outRadiance, pixel, vec4(radiance, unlit ? 0 : 1));
 }
