@@ -68,7 +68,9 @@ TEST(Shadow, continuousUnderMotionOfAFractionOfATexel) {
         double before = -1, lowest = 1, highest = 0;
         for (dvec3 p{-1.2, 0, -0.8}; p.x < 1.2; p += step) {
             const double v = scene.visibility(p, kUp);
-            if (before >= 0) ASSERT_LE(std::abs(v - before), most) << taps << " at " << p.x;
+            if (before >= 0) {
+                ASSERT_LE(std::abs(v - before), most) << taps << " at " << p.x;
+            }
             before = v;
             lowest = std::min(lowest, v);
             highest = std::max(highest, v);

@@ -29,7 +29,9 @@ TEST(Upsample, domainWeightsSumToOneAndAreCentred) {
             for (int i = 0; i < 4; ++i) {
                 sum += taps.weights[i];
                 mean += taps.weights[i] * (taps.first + i);
-                if (i >= taps.count) EXPECT_EQ(taps.weights[i], 0) << nameOf(kind);
+                if (i >= taps.count) {
+                    EXPECT_EQ(taps.weights[i], 0) << nameOf(kind);
+                }
             }
             EXPECT_NEAR(sum, 1, 1e-12) << nameOf(kind) << " at " << position;
             // B-splines reproduce a line; the cut Gaussian and the nearest texel only about.

@@ -36,7 +36,8 @@ double sunVisibilityReference(const shared::LightParams& light, const ShadowTexe
             const double plane = at.z + glm::dot(slope, dvec2(x, y) + 0.5 - dvec2(at)) + bias;
             const double occluder =
                 map.depth[std::size_t(y) * std::size_t(map.width) + std::size_t(x)];
-            if (plane >= occluder) lit += std::max(width, 0.0) * std::max(height, 0.0);
+            if (occluder == 0 || plane >= occluder)
+                lit += std::max(width, 0.0) * std::max(height, 0.0);
         }
     return lit / (n * n);
 }

@@ -17,7 +17,8 @@ struct ShadowTexels {
 
 /// sunVisibility() of shadow.glsl in double precision, for tests: the share of the N×N-texel window
 /// about `position` in which the receiver's plane, lifted by one texel, is not behind the map.
-/// Windows that reach over the map's edge are lit. `faceNormal`: world, unit length.
+/// Empty texels (0) hide nothing, and windows that reach over the map's edge are lit. `faceNormal`:
+/// world, unit length.
 double sunVisibilityReference(const shared::LightParams&, const ShadowTexels&, glm::dvec3 position,
                               glm::dvec3 faceNormal);
 
