@@ -210,6 +210,8 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene,
           for (const Material& m : scene.materials)
               packed.materials.push_back(pack(m, scene, packed.textures));
           packed.features = featuresOf(packed.materials);
+          for (const Light& light : scene.lights)
+              packed.features.punctualLights |= light.kind != LightKind::directional;
           if (!packed.features.secondUvs) packed.secondUvs.clear();
           return packed;
       }()) {}
