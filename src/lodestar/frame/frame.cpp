@@ -132,7 +132,9 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
 void Frame::drawShadowMap(gpu::Recorder& r, const scene::Camera& camera) {
     const scene::Bounds& bounds = scene->bounds();
     const float toScene = bounds.empty() ? 1 : glm::distance(camera.eye, bounds.centre());
-    const float distance = options.shadowDistance > 0 ? options.shadowDistance : 2.5f * toScene;
+    // To the far side of the scene, wherever in it the eye is.
+    const float distance =
+        options.shadowDistance > 0 ? options.shadowDistance : toScene + bounds.radius();
     const shading::SunView now =
         shading::fitSun(sky.toSun(), bounds, camera, aspect, distance, options.shadowMapSize);
     if (options.shadowTaps == 0 || (now == sun && shadowVersion == scene->version())) return;

@@ -82,36 +82,34 @@ using FeatureChain =
     vk::StructureChain<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan11Features,
                        vk::PhysicalDeviceVulkan12Features, vk::PhysicalDeviceVulkan13Features>;
 
+/// The parts of a feature chain in which lodestar has needs.
+struct Features {
+    vk::PhysicalDeviceFeatures& core;
+    vk::PhysicalDeviceVulkan12Features& v12;
+    vk::PhysicalDeviceVulkan13Features& v13;
+
+    explicit Features(FeatureChain& chain)
+        : Features(chain.get<vk::PhysicalDeviceFeatures2>().features,
+                   chain.get<vk::PhysicalDeviceVulkan12Features>(),
+                   chain.get<vk::PhysicalDeviceVulkan13Features>()) {}
+    Features(vk::PhysicalDeviceFeatures& f, vk::PhysicalDeviceVulkan12Features& f12,
+             vk::PhysicalDeviceVulkan13Features& f13)
+        : core(f), v12(f12), v13(f13) {}
+};
+
 struct RequiredFeature {
     const char* name;
-    VkBool32& (*field)(FeatureChain&);
+    VkBool32& (*field)(const Features&);
 };
 
 constexpr RequiredFeature kRequiredFeatures[] = {
     {"geometryShader (for gl_PrimitiveID)",
-     [](FeatureChain& f) -> VkBool32& {
-         return f.get<vk::PhysicalDeviceFeatures2>().features.geometryShader;
-     }},
-    {"depthClamp",
-     [](FeatureChain& f) -> VkBool32& {
-         return f.get<vk::PhysicalDeviceFeatures2>().features.depthClamp;
-     }},
-    {"scalarBlockLayout",
-     [](FeatureChain& f) -> VkBool32& {
-         return f.get<vk::PhysicalDeviceVulkan12Features>().scalarBlockLayout;
-     }},
-    {"synchronization2",
-     [](FeatureChain& f) -> VkBool32& {
-         return f.get<vk::PhysicalDeviceVulkan13Features>().synchronization2;
-     }},
-    {"dynamicRendering",
-     [](FeatureChain& f) -> VkBool32& {
-         return f.get<vk::PhysicalDeviceVulkan13Features>().dynamicRendering;
-     }},
-    {"maintenance4",
-     [](FeatureChain& f) -> VkBool32& {
-         return f.get<vk::PhysicalDeviceVulkan13Features>().maintenance4;
-     }},
+     [](const Features& f) -> VkBool32& { return f.core.geometryShader; }},
+    {"depthClamp", [](const Features& f) -> VkBool32& { return f.core.depthClamp; }},
+    {"scalarBlockLayout", [](const Features& f) -> VkBool32& { return f.v12.scalarBlockLayout; }},
+    {"synchronization2", [](const Features& f) -> VkBool32& { return f.v13.synchronization2; }},
+    {"dynamicRendering", [](const Features& f) -> VkBool32& { return f.v13.dynamicRendering; }},
+    {"maintenance4", [](const Features& f) -> VkBool32& { return f.v13.maintenance4; }},
 };
 
 FeatureChain supportedFeatures(const vk::raii::PhysicalDevice& device) {
@@ -128,7 +126,8 @@ std::string whyUnusable(const vk::raii::PhysicalDevice& device) {
                            VK_API_VERSION_MINOR(properties.apiVersion));
     for (const char* extension : Device::requiredExtensions())
         if (!hasDeviceExtension(device, extension)) return fmt::format("it lacks {}", extension);
-    FeatureChain features = supportedFeatures(device);
+    FeatureChain chain = supportedFeatures(device);
+    const Features features(chain);
     for (const RequiredFeature& feature : kRequiredFeatures)
         if (!feature.field(features)) return fmt::format("it lacks the feature {}", feature.name);
     if (!queueFamilyOf(device)) return "it has no queue for both graphics and compute";
@@ -203,6 +202,13 @@ std::vector<const char*> Device::requiredExtensions() {
     return {VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME};
 }
 
+void Device::enableRequiredFeatures(vk::PhysicalDeviceFeatures& core,
+                                    vk::PhysicalDeviceVulkan12Features& v12,
+                                    vk::PhysicalDeviceVulkan13Features& v13) {
+    const Features features(core, v12, v13);
+    for (const RequiredFeature& feature : kRequiredFeatures) feature.field(features) = VK_TRUE;
+}
+
 std::vector<DeviceDescription> Device::enumerate() {
     const vk::raii::Context context;
     const vk::raii::Instance instance = makeInstance(context, false);
@@ -263,7 +269,9 @@ Device::~Device() {
 void Device::open(std::uint32_t) {
     FeatureChain supported = supportedFeatures(*physicalDevice);
     FeatureChain enabled;
-    for (const RequiredFeature& feature : kRequiredFeatures) feature.field(enabled) = VK_TRUE;
+    enableRequiredFeatures(enabled.get<vk::PhysicalDeviceFeatures2>().features,
+                           enabled.get<vk::PhysicalDeviceVulkan12Features>(),
+                           enabled.get<vk::PhysicalDeviceVulkan13Features>());
     enabled.get<vk::PhysicalDeviceFeatures2>().features.samplerAnisotropy =
         supported.get<vk::PhysicalDeviceFeatures2>().features.samplerAnisotropy;
 

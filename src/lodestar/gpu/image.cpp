@@ -69,7 +69,7 @@ Image::Image(const Device& owner, const ImageInfo& info) : device(&owner) {
     allLevels = viewOf(0, info.levels);
     if (info.levels > 1)
         for (std::uint32_t l = 0; l < info.levels; ++l) singleLevels.push_back(viewOf(l, 1));
-    whole = {*allLevels, *image, info.format, info.extent, info.layers, info.levels};
+    whole = {*allLevels, *image, info.format, info.extent, info.layers, info.levels, 0};
 
     owner.runNow([&](const vk::raii::CommandBuffer& commands) {
         const vk::ImageMemoryBarrier2 toGeneral{
@@ -107,6 +107,7 @@ View Image::level(std::uint32_t level) const {
     View view = whole;
     view.view = *singleLevels.at(level);
     view.levels = 1;
+    view.firstLevel = level;
     view.extent = vk::Extent2D{std::max(1u, whole.extent.width >> level),
                                std::max(1u, whole.extent.height >> level)};
     return view;

@@ -162,6 +162,10 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene,
                       {v.uv0, shared::packTangent(v.tangent), glm::packUnorm4x8(v.color)});
                   packed.secondUvs.push_back(v.uv1);
               }
+              // A double-sided meshlet that faces away is seen from behind.
+              const auto coneCutoff = [&](const Meshlet& m) {
+                  return scene.materials[mesh.material].doubleSided ? 1.0f : m.coneCutoff;
+              };
               const MeshletSet set = buildMeshlets(mesh);
               for (const Meshlet& m : set.meshlets) {
                   clusterOf.push_back(
@@ -170,10 +174,7 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene,
                        .vertices = static_cast<std::uint32_t>(packed.meshletVertices.size()),
                        .material = mesh.material,
                        .triangleCount = m.triangleCount});
-                  // A double-sided surface is seen from behind too: no cone culls it.
-                  const bool doubleSided = scene.materials[mesh.material].doubleSided;
-                  packed.meshlets.push_back(
-                      {m.centre, m.radius, m.coneAxis, doubleSided ? 1 : m.coneCutoff});
+                  packed.meshlets.push_back({m.centre, m.radius, m.coneAxis, coneCutoff(m)});
                   const std::uint32_t* local = &set.vertices[m.vertexOffset];
                   for (std::uint32_t i = 0; i < m.vertexCount; ++i)
                       packed.meshletVertices.push_back(firstVertex + local[i]);

@@ -20,7 +20,8 @@ public:
         gpu::View sky;              ///< octahedral radiance, a mip level per step of roughness
         const gpu::Buffer& lights;  ///< shared::GpuLight
     };
-    /// Writes linear radiance to every texel of `radiance` (RGBA16_SFLOAT).
+    /// Writes linear radiance to every texel of `radiance` (RGBA16_SFLOAT). Its alpha is the share
+    /// that Tonemap gives its curve: 1, but 0 for unlit materials, which show as authored.
     void record(gpu::Recorder&, const Inputs&, gpu::View radiance) const;
 
 private:

@@ -130,6 +130,10 @@ vec3 Sky::radiance(vec3 direction) const {
 }
 
 std::array<vec3, 9> Sky::irradiance() const {
+    return irradianceOf([this](vec3 d) { return radiance(d); });
+}
+
+std::array<vec3, 9> irradianceOf(const std::function<vec3(vec3)>& radiance) {
     std::array<vec3, 9> sh{};
     overSphere([&](vec3 d, float solidAngle) {
         const vec3 light = radiance(d) * solidAngle;

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include <glm/glm.hpp>
@@ -34,6 +35,9 @@ private:
     glm::vec3 sunDirection, sunOnGround{0}, ground{0};
     float brightness = 1;
 };
+
+/// The irradiance polynomials of any environment, integrated over 2048 cells of equal area.
+std::array<glm::vec3, 9> irradianceOf(const std::function<glm::vec3(glm::vec3)>& radiance);
 
 /// Radiance by direction: octahedral, straight up in the middle. Level 0 is the sky itself; level l
 /// is blurred by the GGX lobe of roughness l / (levels − 1).

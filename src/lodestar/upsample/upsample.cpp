@@ -60,6 +60,9 @@ Upsample::Upsample(const gpu::Device& device, Reconstruct kind)
 void Upsample::record(gpu::Recorder& rec, const Inputs& in, const Sigmas& sigmas,
                       gpu::View terms) const {
     if (!(in.rate >= 1)) throw std::invalid_argument("Upsample::Inputs::rate must be at least 1");
+    if (in.size.width == 0 || in.size.height == 0 || in.size.width > in.coarse.extent.width ||
+        in.size.height > in.coarse.extent.height)
+        throw std::invalid_argument("Upsample::Inputs::size must be 1 … the size of coarse");
     const shared::UpsampleParams params{.size = {in.size.width, in.size.height},
                                         .inverseRate = 1 / in.rate,
                                         .depthFalloff = falloff(sigmas.z, "z"),

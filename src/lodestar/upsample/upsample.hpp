@@ -21,7 +21,8 @@ public:
         float rate = 1;     ///< r ≥ 1: O pixels per S texel along an axis, fractional
     };
     /// Writes every texel of `terms` (grid O, RGBA16_SFLOAT). Images in GENERAL; the caller has
-    /// made the inputs visible. Throws std::invalid_argument for a rate below 1 or a sigma ≤ 0.
+    /// made the inputs visible. Throws std::invalid_argument for a rate below 1, a sigma ≤ 0 or a
+    /// size that is 0 or larger than `coarse`.
     void record(gpu::Recorder&, const Inputs&, const Sigmas&, gpu::View terms) const;
 
     Reconstruct kind() const { return reconstruct; }
