@@ -10,8 +10,9 @@
 
 namespace lodestar::shading {
 
-/// A clear sky over a plain, made from the direction to the sun: single scattering by air (Rayleigh),
-/// haze (Mie) and ozone absorption along the view ray (Nishita et al. 1993). Free of Vulkan.
+/// A clear sky over a plain, made from the direction to the sun: single scattering by air
+/// (Rayleigh), haze (Mie) and ozone absorption along the view ray (Nishita et al. 1993). Free of
+/// Vulkan.
 class Sky {
 public:
     /// `toSun`: unit, world, y up. Sun and sky are scaled together so that a surface facing the sun
