@@ -15,6 +15,7 @@
 #ifdef LODESTAR_VULKAN
 #include <lodestar/gpu/device.hpp>
 
+#include "app/bench/bench.hpp"
 #include "app/info.hpp"
 #include "app/render.hpp"
 #endif
@@ -32,6 +33,9 @@ void addCommands(CLI::App& app, int& exitCode) {
     addRender(app, exitCode);
 #endif
     addCompare(app, exitCode);
+#ifdef LODESTAR_VULKAN
+    addBench(app, exitCode);
+#endif
     for (CLI::App* command : app.get_subcommands({})) command->group("Commands");
 }
 

@@ -18,8 +18,6 @@ add_library(lodestar STATIC
     visibility/rebuild.cpp
     shading/coarse.cpp
     shading/combine.cpp
-    shading/sky.cpp
-    shading/sun_shadow.cpp
     upsample/upsample.cpp
     post/tonemap.cpp
     frame/frame.cpp
@@ -30,7 +28,9 @@ target_link_libraries(lodestar PUBLIC lodestar_cpu Vulkan::Vulkan PRIVATE lodest
 target_precompile_headers(lodestar PUBLIC gpu/vulkan.hpp)
 lodestar_shaders(lodestar
     gpu/prefix_sum.comp
-    geometry/cull.comp
+    geometry/compact.comp
+    geometry/cull_clusters.comp
+    geometry/cull_triangles.comp
     geometry/emit.comp
     visibility/capture_ss.vert
     visibility/capture_ss.frag

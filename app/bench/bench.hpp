@@ -1,0 +1,96 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include <CLI/CLI.hpp>
+
+#include <lodestar/budget/budget.hpp>
+#include <lodestar/frame/frame.hpp>
+#include <lodestar/quality/image.hpp>
+
+#include "app/cli.hpp"
+#include "app/report_json.hpp"
+
+/// `lodestar bench`: the figures and tables of the sources, measured here. docs/bench.md says what
+/// each one measures and how to read it.
+namespace lodestar::app {
+
+struct BenchOptions {
+    std::filesystem::path out;     ///< a folder, made when missing
+    std::filesystem::path scenes;  ///< folder of the default scenes; empty = $LODESTAR_SCENES
+    std::string scene;             ///< measured in place of the default ones, from `view`
+    ViewOptions view;
+    frame::FrameSettings settings;  ///< its size is that of `view`
+    gpu::DeviceRequest device;
+    int rounds = 9;
+    std::size_t frames = 120;  ///< of a run under a budget
+    budget::Budget budget{budget::Budget::Kind::relative, 0.5};
+    std::string path;  ///< of the camera; empty = the bench's own
+};
+
+/// The scene, size, rounds and frames of --quick: a run under a minute with the same columns.
+void makeQuick(BenchOptions&);
+
+/// A scene, where it is seen from and how the camera moves.
+struct BenchCase {
+    std::string scene, camera, path;
+};
+
+/// What was asked for in place of `defaults`, or those, found in the folder of scenes.
+Result<std::vector<BenchCase>> benchCases(const BenchOptions&,
+                                          const std::vector<BenchCase>& defaults);
+
+/// A claim and what the rows say about it.
+struct Bar {
+    std::string what;
+    double value = 0;  ///< NaN, or infinite, is written as null
+    std::string unit;
+    std::string goal;  ///< as people read it, such as ">= 2"
+    bool holds = false;
+};
+
+struct BenchResult {
+    Report report;  ///< of the first scene at full quality
+    Json rows = Json::array();
+    Json source = Json::array();  ///< the published rows
+    std::vector<Bar> bars;
+    std::vector<std::filesystem::path> files;  ///< pictures and traces written
+};
+
+struct Bench {
+    std::string name, what;
+    Result<BenchResult> (*run)(const BenchOptions&);
+    std::vector<Bar> (*bars)(const Json& rows);
+    /// Tables to print: rows whose "measures" is the first word, these columns.
+    std::vector<std::pair<std::string, std::vector<std::string>>> tables;
+};
+
+const std::vector<Bench>& benches();
+
+/// Runs one bench: writes DIR/NAME.json, DIR/NAME.csv and its pictures, prints its tables, and
+/// returns what the JSON file holds. Fails when the validation layers have anything to say. Throws
+/// std::invalid_argument when there is no bench of that name.
+Result<Json> runBench(const std::string& name, const BenchOptions&);
+
+void addBench(CLI::App&, int& exitCode);
+
+// What the benches share.
+
+/// `scene` as a part of a file name: "a/sponza.glb" → "sponza", "builtin:columns" → "columns".
+std::string sceneSlug(const std::string& scene);
+/// PSNR, SSIM (NaN for pictures too small for it) and FLIP.
+QualityFigures qualityOf(const quality::RgbImage& reference, const quality::RgbImage& test);
+/// An error when the validation layers had anything to say.
+Result<void> validationVerdict(const gpu::Device&);
+/// JSON has no infinity and no NaN: both become null.
+Json finiteOrNull(double);
+/// The number under `key`, +infinity for null.
+double numberOrInfinity(const Json& row, const char* key);
+/// Flat rows as a table with a heading line; a column for every key, in order of appearance.
+std::string csvOf(const Json& rows);
+
+}  // namespace lodestar::app

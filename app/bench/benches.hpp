@@ -1,0 +1,14 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include "app/bench/bench.hpp"
+
+/// The benches themselves, one file each; bench.cpp lists them.
+namespace lodestar::app {
+
+/// Cost and quality of shading at r = 1 … 4, and of attributes from visibility or a G-buffer.
+Bench shadingRateBench();
+/// How well a budget is held along a camera path.
+Bench budgetHoldBench();
+
+}  // namespace lodestar::app
