@@ -34,15 +34,21 @@ struct TexturePlace {
 };
 
 float wrapped(float x, uint mode, float halfTexel) {
-    if (mode == LS_WRAP_MIRROR) return 1 - abs(mod(x, 2) - 1);
-    return mode == LS_WRAP_CLAMP ? clamp(x, halfTexel, 1 - halfTexel) : x;
+    if (mode == LS_WRAP_REPEAT) return x;
+    if (mode == LS_WRAP_MIRROR) x = 1 - abs(mod(x, 2) - 1);
+    return clamp(x, halfTexel, 1 - halfTexel);
 }
 
 /// The sampler always repeats; other wrap modes and nearest filtering are done on the coordinates.
-vec2 readAs(vec2 uv, uint reading, vec2 size) {
+/// Half a texel of the coarser mip level in use keeps filtering from reaching over the edge.
+vec2 readAs(TexturePoint p, uint reading, vec2 size) {
+    vec2 uv = p.uv;
     if ((reading & LS_READ_NEAREST) != 0) uv = (floor(uv * size) + 0.5) / size;
-    return vec2(wrapped(uv.x, reading & 3, 0.5 / size.x),
-                wrapped(uv.y, reading >> 2 & 3, 0.5 / size.y));
+    const vec2 dx = p.dx * size, dy = p.dy * size;
+    const float texels = sqrt(max(max(dot(dx, dx), dot(dy, dy)), 1));  // a pixel covers
+    const vec2 halfTexel = min(0.5 * exp2(ceil(log2(texels) - 0.01)) / size, 0.5);
+    return vec2(wrapped(uv.x, reading & 3, halfTexel.x),
+                wrapped(uv.y, reading >> 2 & 3, halfTexel.y));
 }
 
 /// White where the material has no such texture. `use` is one of the material's texture words,
@@ -70,7 +76,7 @@ vec4 sampleTexture(uint use, uint which, TexturePlace place, uint among) {
     if ((among & 1u << i) != 0 && array == i) {                                     \
         vec2 uv = p.uv;                                                             \
         if (kUvTransforms != 0)                                                     \
-            uv = readAs(uv, reading, vec2(textureSize(sceneTextures[i], 0).xy));    \
+            uv = readAs(p, reading, vec2(textureSize(sceneTextures[i], 0).xy));    \
         color = textureGrad(sceneTextures[i], vec3(uv, layer), p.dx, p.dy);         \
     }
     LS_SAMPLE(0) LS_SAMPLE(1) LS_SAMPLE(2) LS_SAMPLE(3)

@@ -1,0 +1,268 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include <glm/gtc/packing.hpp>
+
+#include <lodestar/frame/frame.hpp>
+#include <lodestar/gpu/readback.hpp>
+#include <lodestar/quality/metrics.hpp>
+#include <lodestar/scene/procedural.hpp>
+
+#include "golden.hpp"
+#include "gpu_device.hpp"
+#include "small_scenes.hpp"
+
+namespace lodestar::frame {
+namespace {
+
+using scene::Camera;
+using scene::Scene;
+
+FrameSettings small(std::uint32_t width, std::uint32_t height) {
+    return {.size = {width, height}, .shadowMapSize = 512};
+}
+
+Camera cameraOf(const Scene& scene, std::size_t index) {
+    const scene::SceneCamera& camera = scene.cameras.at(index);
+    return scene::fromSceneCamera(camera, worldFromNode(scene)[camera.node], 5);
+}
+
+/// A scene on the device and its frame.
+struct Stage {
+    Scene source;
+    scene::GpuScene onGpu;
+    Frame frame;
+    const gpu::Device& device;
+
+    Stage(const gpu::Device& owner, Scene scene, const FrameSettings& settings)
+        : source(std::move(scene)),
+          onGpu(owner, source),
+          frame(owner, onGpu, settings),
+          device(owner) {}
+
+    quality::RgbImage render(const Camera& camera, float rate = 1) {
+        frame.render(camera, {.shadingRate = rate});
+        const vk::Extent2D size = frame.settings().size;
+        quality::RgbImage picture(int(size.width), int(size.height));
+        const auto rgba = gpu::readImage(device, frame.display());
+        for (std::size_t i = 0; i < picture.rgb.size(); ++i)
+            picture.rgb[i] = std::uint8_t(rgba[i / 3 * 4 + i % 3]);
+        return picture;
+    }
+    std::vector<std::uint32_t> ids() const {
+        return gpu::as<std::uint32_t>(gpu::readImage(device, frame.ids()));
+    }
+    std::vector<glm::vec4> halves(const gpu::Image& image) const {
+        std::vector<glm::vec4> texels;
+        for (const std::uint64_t bits : gpu::as<std::uint64_t>(gpu::readImage(device, image)))
+            texels.push_back(glm::unpackHalf4x16(bits));
+        return texels;
+    }
+    void expectFinite() const {
+        for (const glm::vec4& texel : halves(frame.radiance()))
+            for (int c = 0; c < 3; ++c) {
+                ASSERT_TRUE(std::isfinite(texel[c]));
+                ASSERT_GE(texel[c], 0);
+            }
+    }
+};
+
+class FrameTest : public GpuTest {};
+
+TEST_F(FrameTest, columnsAtFullRateAreReproducibleAndCoarseOnesClose) {
+    Stage stage(device(), *scene::buildBuiltin("columns"), small(128, 72));
+    const Camera camera = cameraOf(stage.source, 0);
+    const auto full = stage.render(camera);
+    expectGolden(full, "columns");
+    const std::uint64_t bytes = device().allocatedBytes();
+    for (const float rate : {1.5f, 2.0f, 3.7f}) {
+        const auto coarse = stage.render(camera, rate);
+        EXPECT_NE(coarse.rgb, full.rgb) << rate;
+        EXPECT_GT(quality::psnr(full, coarse), rate < 2 ? 35 : rate < 3 ? 33 : 30) << rate;
+    }
+    EXPECT_EQ(stage.render(camera).rgb, full.rgb);
+    EXPECT_EQ(device().allocatedBytes(), bytes) << "a frame allocated memory";
+}
+
+TEST_F(FrameTest, spheresLookAsTheyDid) {
+    Stage stage(device(), *scene::buildBuiltin("spheres"), small(128, 72));
+    const Camera camera = cameraOf(stage.source, 0);
+    const auto full = stage.render(camera);
+    expectGolden(full, "spheres");
+    EXPECT_GT(quality::psnr(full, stage.render(camera, 1.5f)), 35);
+    stage.expectFinite();
+}
+
+TEST_F(FrameTest, turnedStretchedAndReflectedInstancesLookAsTheyDid) {
+    Stage stage(device(), small_scenes::jumble(), small(96, 64));
+    expectGolden(stage.render(scene::frame(stage.onGpu.bounds(), 1.5f)), "jumble");
+}
+
+TEST_F(FrameTest, everyPassIsTimed) {
+    Stage stage(device(), small_scenes::single(small_scenes::quad()), small(32, 32));
+    const auto namesAt = [&](float rate) {
+        const auto times = stage.frame.render(small_scenes::facing(), {.shadingRate = rate});
+        std::string names;
+        double sum = 0;
+        for (const auto& pass : times.passes) {
+            names += pass.name + ", ";
+            sum += pass.ms;
+        }
+        EXPECT_LE(sum, times.gpuMs * 1.001);
+        return names;
+    };
+    EXPECT_EQ(namesAt(2),
+              "cull, shadow map, cull, capture, rebuild, terms, upsample, combine, tonemap, ");
+    // The shadow map of an unmoved scene is kept.
+    EXPECT_EQ(namesAt(1), "cull, capture, rebuild, terms, combine, tonemap, ");
+}
+
+TEST_F(FrameTest, oddSizesWork) {
+    for (const vk::Extent2D size : {vk::Extent2D{1, 1}, {17, 33}}) {
+        Stage stage(device(), small_scenes::jumble(), small(size.width, size.height));
+        const Camera camera = scene::frame(stage.onGpu.bounds(), 0.5f);
+        for (const float rate : {1.0f, 2.5f, 40.0f}) {
+            stage.render(camera, rate);
+            stage.expectFinite();
+        }
+    }
+}
+
+TEST_F(FrameTest, anEmptySceneIsSky) {
+    FrameSettings settings = small(64, 48);
+    settings.toSun = {0, 1, 0};  // out of the picture
+    Stage stage(device(), {}, settings);
+    const Camera camera{.eye = {0, 1, 0}, .at = {0, 1.2f, -1}, .verticalFov = 0.8f};
+    stage.render(camera, 1);
+    EXPECT_EQ(stage.ids(), std::vector<std::uint32_t>(64 * 48, 0));
+    const auto radiance = stage.halves(stage.frame.radiance());
+    const shading::Sky sky(settings.toSun);
+    const glm::mat3 worldFromView = glm::transpose(glm::mat3(camera.viewFromWorld()));
+    const float tall = std::tan(0.4f);
+    for (int y = 0; y < 48; ++y)
+        for (int x = 0; x < 64; ++x) {
+            const glm::vec2 ndc((float(x) + 0.5f) / 32 - 1, (float(y) + 0.5f) / 24 - 1);
+            const glm::vec3 direction = glm::normalize(
+                worldFromView * glm::vec3(ndc.x * tall * 64 / 48, -ndc.y * tall, -1));
+            if (std::abs(direction.y) < 0.05f) continue;  // the map blurs the horizon
+            const glm::vec3 expected = sky.radiance(direction);
+            const glm::vec3 seen(radiance[std::size_t(y * 64 + x)]);
+            EXPECT_LT(glm::length(seen - expected), 0.03f * glm::length(expected)) << x << ' ' << y;
+        }
+}
+
+TEST_F(FrameTest, shadowsDarkenWhatLiesBehindTheirCasters) {
+    // A plate above a floor, the sun straight above both.
+    const auto scene = [] {
+        small_scenes::SceneBuilder builder("plate");
+        const auto floor = small_scenes::parts::rectangle({-4, 0, -4}, {8, 0, 0}, {0, 0, 8});
+        const auto plate = small_scenes::parts::rectangle({-1, 1, -1}, {2, 0, 0}, {0, 0, 2});
+        const std::uint32_t material = builder.add(scene::Material{});
+        builder.place(builder.add("floor", small_scenes::parts::patch(floor, 1, 1, {1, 1}), material));
+        builder.place(builder.add("plate", small_scenes::parts::patch(plate, 1, 1, {1, 1}), material));
+        return std::move(builder).finish();
+    }();
+    // From the side, under the plate's height: the middle of the floor and its left edge.
+    const Camera camera{.eye = {0, 0.8f, 6}, .at = {0, 0, 0}, .verticalFov = 0.9f};
+    const auto sunAt = [&](std::uint32_t taps) {
+        FrameSettings settings = small(64, 48);
+        settings.toSun = {0, 1, 0};
+        settings.shadowTaps = taps;
+        Stage stage(device(), scene, settings);
+        stage.render(camera);
+        const auto ids = stage.ids();
+        const auto terms = stage.halves(stage.frame.terms());
+        const auto at = [&](float x) {  // a point of the floor, z = 0
+            const glm::vec4 clip = camera.clipFromView(64.0f / 48) * camera.viewFromWorld() *
+                                   glm::vec4(x, 0, 0, 1);
+            const glm::vec2 pixel = (glm::vec2(clip) / clip.w * 0.5f + 0.5f) * glm::vec2(64, 48);
+            const auto index = std::size_t(pixel.y) * 64 + std::size_t(pixel.x);
+            EXPECT_NE(ids[index], 0u);
+            return terms[index].a;
+        };
+        return std::pair{at(0), at(-2.5f)};
+    };
+    for (const std::uint32_t taps : {1u, 9u}) {
+        const auto [under, beside] = sunAt(taps);
+        EXPECT_LT(under, 0.02f) << taps;
+        EXPECT_GT(beside, 0.98f) << taps;
+    }
+    const auto [under, beside] = sunAt(0);
+    EXPECT_EQ(under, 1);
+    EXPECT_EQ(beside, 1);
+}
+
+TEST_F(FrameTest, animationMovesThePictureAndBack) {
+    Scene scene = small_scenes::single(small_scenes::quad());
+    scene.animations.push_back(
+        {.name = "slide",
+         .duration = 2,
+         .channels = {{.node = scene.instances[0].node,
+                       .path = scene::AnimationPath::translation,
+                       .times = {0, 2},
+                       .values = {glm::vec4(0), glm::vec4(4, 0, 0, 0)}}}});
+    Stage stage(device(), std::move(scene), small(32, 32));
+    const auto first = stage.render(small_scenes::facing());
+    stage.onGpu.animate(0.5f);  // one unit, half of the picture, to the right
+    const auto moved = stage.render(small_scenes::facing());
+    const auto ids = stage.ids();
+    for (std::size_t i = 0; i < ids.size(); ++i)
+        EXPECT_EQ(ids[i] != 0, i % 32 >= 16) << "pixel " << i;
+    EXPECT_NE(moved.rgb, first.rgb);
+    stage.onGpu.animate(0);
+    EXPECT_EQ(stage.render(small_scenes::facing()).rgb, first.rgb);
+}
+
+TEST_F(FrameTest, unlitSurfacesKeepTheirColorAndEmittersShine) {
+    Scene scene = small_scenes::single(small_scenes::quad(), {.baseColor = {0.5f, 0.25f, 1, 1},
+                                                             .unlit = true});
+    Stage unlit(device(), scene, small(16, 16));
+    unlit.render(small_scenes::facing());
+    for (const glm::vec4& texel : unlit.halves(unlit.frame.radiance()))
+        ASSERT_LT(glm::length(glm::vec3(texel) - glm::vec3(0.5f, 0.25f, 1)), 0.01f);
+
+    const auto radianceOf = [&](glm::vec3 emissive) {
+        scene.materials[0] = {.baseColor = {0.2f, 0.2f, 0.2f, 1}, .emissive = emissive};
+        Stage stage(device(), scene, small(16, 16));
+        stage.render(small_scenes::facing());
+        return stage.halves(stage.frame.radiance());
+    };
+    const auto dark = radianceOf({0, 0, 0}), bright = radianceOf({5, 0, 1});
+    for (std::size_t i = 0; i < dark.size(); ++i)
+        ASSERT_LT(glm::length(glm::vec3(bright[i] - dark[i]) - glm::vec3(5, 0, 1)), 0.02f);
+}
+
+TEST_F(FrameTest, settingsOutOfRangeAreRefused) {
+    const Scene source = small_scenes::single(small_scenes::quad());
+    const scene::GpuScene onGpu(device(), source);
+    const auto refuses = [&](auto change) {
+        FrameSettings settings = small(16, 16);
+        change(settings);
+        EXPECT_THROW(Frame(device(), onGpu, settings), std::invalid_argument);
+    };
+    refuses([](FrameSettings& s) { s.size.width = 0; });
+    refuses([](FrameSettings& s) { s.size.height = 16385; });
+    refuses([](FrameSettings& s) { s.shadowTaps = 33; });
+    refuses([](FrameSettings& s) { s.shadowMapSize = 15; });
+    refuses([](FrameSettings& s) { s.shadowMapSize = 16385; });
+
+    FrameSettings settings = small(16, 16);
+    settings.sigmas.z = 0;
+    Frame frame(device(), onGpu, settings);
+    EXPECT_THROW(frame.render(small_scenes::facing(), {.shadingRate = 2}), std::invalid_argument);
+}
+
+TEST_F(FrameTest, aFrameGivesItsMemoryBack) {
+    const Scene source = small_scenes::single(small_scenes::quad());
+    const scene::GpuScene onGpu(device(), source);
+    const std::uint64_t before = device().allocatedBytes();
+    {
+        Frame frame(device(), onGpu, small(64, 64));
+        frame.render(small_scenes::facing(), {});
+        EXPECT_GT(device().allocatedBytes(), before + 512 * 512 * 4);
+    }
+    EXPECT_EQ(device().allocatedBytes(), before);
+}
+
+}  // namespace
+}  // namespace lodestar::frame
