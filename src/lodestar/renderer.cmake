@@ -30,7 +30,9 @@ target_link_libraries(lodestar PUBLIC lodestar_cpu Vulkan::Vulkan PRIVATE lodest
 target_precompile_headers(lodestar PUBLIC gpu/vulkan.hpp)
 lodestar_shaders(lodestar
     gpu/prefix_sum.comp
-    geometry/cull.comp
+    geometry/compact.comp
+    geometry/cull_clusters.comp
+    geometry/cull_triangles.comp
     geometry/emit.comp
     visibility/capture_ss.vert
     visibility/capture_ss.frag

@@ -96,7 +96,7 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
     writeUniforms(camera);
 
     // Which triangle does each pixel show?
-    cull.record(rec, *scene, {clipFromWorld, camera.eye}, eyeList);
+    cull.record(rec, *scene, {clipFromWorld, camera.eye, options.size}, eyeList);
     rec.barrier(Stage::compute, Stage::raster);
     rec.barrier(Stage::compute, Stage::indirect);
     capture.record(rec, *scene, eyeList, clipFromWorld, {idImage, depthBuffer}, "capture");
@@ -138,7 +138,11 @@ void Frame::drawShadowMap(gpu::Recorder& r, const scene::Camera& camera) {
     sun = now;
     shadowVersion = scene->version();
 
-    cull.record(r, *scene, {.clipFromWorld = sun.clipFromWorld, .perspective = false, .keepBeforeNear = true},
+    cull.record(r, *scene,
+                {.clipFromWorld = sun.clipFromWorld,
+                 .size = shadowMap.extent(),
+                 .perspective = false,
+                 .keepBeforeNear = true},
                 sunList);
     r.barrier(Stage::compute, Stage::raster);
     r.barrier(Stage::compute, Stage::indirect);

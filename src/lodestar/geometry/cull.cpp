@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
+
 #include <lodestar/geometry/cull.hpp>
 #include <lodestar/geometry/cull_params.h>
 #include <lodestar/scene/scene_bindings.hpp>
@@ -6,8 +8,14 @@
 namespace lodestar::geometry {
 namespace {
 
-constexpr std::uint32_t kCullCode[] =
-#include <lodestar/geometry/cull.comp.inc>
+constexpr std::uint32_t kClustersCode[] =
+#include <lodestar/geometry/cull_clusters.comp.inc>
+    ;
+constexpr std::uint32_t kCompactCode[] =
+#include <lodestar/geometry/compact.comp.inc>
+    ;
+constexpr std::uint32_t kTrianglesCode[] =
+#include <lodestar/geometry/cull_triangles.comp.inc>
     ;
 constexpr std::uint32_t kEmitCode[] =
 #include <lodestar/geometry/emit.comp.inc>
@@ -19,53 +27,80 @@ using gpu::Stage;
 glm::vec4 normalised(glm::vec4 plane) { return plane / glm::length(glm::vec3(plane)); }
 
 /// Gribb & Hartmann 2001: the planes of a projection are sums of its rows.
-shared::CullParams cullParams(const CullView& view, std::uint32_t clusters) {
+shared::CullClustersParams clusterParams(const CullView& view, std::uint32_t clusters) {
     const glm::mat4 rows = glm::transpose(view.clipFromWorld);
-    shared::CullParams params{.eye = view.eye,
-                              .clusterCount = clusters,
-                              .useCones = view.perspective ? 1u : 0u};
+    shared::CullClustersParams params{
+        .eye = view.eye, .clusterCount = clusters, .useCones = view.perspective ? 1u : 0u};
     params.planes[0] = normalised(rows[3] + rows[0]);
     params.planes[1] = normalised(rows[3] - rows[0]);
     params.planes[2] = normalised(rows[3] + rows[1]);
     params.planes[3] = normalised(rows[3] - rows[1]);
-    params.planes[4] =
-        view.keepBeforeNear ? glm::vec4(0, 0, 0, 1) : normalised(rows[3] - rows[2]);
+    params.planes[4] = view.keepBeforeNear ? glm::vec4(0, 0, 0, 1) : normalised(rows[3] - rows[2]);
     return params;
+}
+
+std::vector<gpu::SlotArray> storageSlots(std::size_t count) {
+    return std::vector<gpu::SlotArray>(count, Slot::storageBuffer);
 }
 
 }  // namespace
 
 DrawList::DrawList(const gpu::Device& device, const scene::GpuScene& scene, const std::string& name)
-    : offsets(device, name + ": offsets",
-              4ull * gpu::PrefixSum::bufferLength(scene.clusterCount() + 1)),
+    : clusterOffsets(device, name + ": cluster offsets",
+                     4ull * gpu::PrefixSum::bufferLength(scene.clusterCount() + 1)),
+      visible(device, name + ": visible clusters", 4ull * scene.clusterCount()),
+      counts(device, name + ": counts", sizeof(shared::VisibleCounts)),
+      masks(device, name + ": triangle masks", 16ull * scene.clusterCount()),
+      triangleOffsets(device, name + ": triangle offsets",
+                      4ull * gpu::PrefixSum::bufferLength(scene.clusterCount() + 1)),
       indices(device, name + ": indices", 12ull * scene.triangleCount()),
-      ids(device, name + ": triangle ids", 4ull * scene.triangleCount(),
-          vk::Format::eR32Uint),
+      ids(device, name + ": triangle ids", 4ull * scene.triangleCount(), vk::Format::eR32Uint),
       draws(device, name + ": draws", scene::kDrawBins * sizeof(vk::DrawIndexedIndirectCommand)) {}
 
 Cull::Cull(const gpu::Device& device)
-    : cull(device, "cull", kCullCode, scene::withSceneSlots({Slot::storageBuffer}),
-           sizeof(shared::CullParams)),
-      emit(device, "emit", kEmitCode,
-           scene::withSceneSlots({Slot::storageBuffer, Slot::storageBuffer, Slot::storageBuffer,
-                                  Slot::storageBuffer}),
-           sizeof(shared::EmitParams)),
+    : clusters(device, "cull clusters", kClustersCode, scene::withSceneSlots(storageSlots(1)),
+               sizeof(shared::CullClustersParams)),
+      compact(device, "compact clusters", kCompactCode, storageSlots(5),
+              sizeof(shared::CompactParams)),
+      triangles(device, "cull triangles", kTrianglesCode, scene::withSceneSlots(storageSlots(4)),
+                sizeof(shared::CullTrianglesParams)),
+      emit(device, "emit", kEmitCode, scene::withSceneSlots(storageSlots(7))),
       prefixSum(device) {}
 
 void Cull::record(gpu::Recorder& rec, const scene::GpuScene& scene, const CullView& view,
                   DrawList& list) const {
     const auto pass = rec.pass("cull");
-    const std::uint32_t clusters = scene.clusterCount();
-    rec.dispatch(cull, {gpu::groups(clusters + 1, 64), 1, 1},
-                 scene::withScene(scene, {list.offsets}), cullParams(view, clusters));
+    const std::uint32_t count = scene.clusterCount();
+    const vk::Extent3D oneAThread{gpu::groups(count + 1, 64), 1, 1};
+
+    rec.dispatch(clusters, oneAThread, scene::withScene(scene, {list.clusterOffsets}),
+                 clusterParams(view, count));
     rec.barrier(Stage::compute, Stage::compute);
-    prefixSum.record(rec, list.offsets, clusters + 1);
-    shared::EmitParams params{};
-    for (std::size_t i = 0; i <= scene::kDrawBins; ++i) params.binStarts[i] = scene.binStarts()[i];
-    const std::uint32_t rows = gpu::groups(clusters, 32768);
-    rec.dispatch(emit, {gpu::groups(clusters, rows), rows, 1},
-                 scene::withScene(scene, {list.offsets, list.indices, list.ids.buffer(), list.draws}),
-                 params);
+    prefixSum.record(rec, list.clusterOffsets, count + 1);
+
+    shared::CompactParams bins{};
+    std::copy(scene.binStarts().begin(), scene.binStarts().end(), bins.binStarts);
+    rec.dispatch(compact, oneAThread,
+                 {list.clusterOffsets, list.visible, list.triangleOffsets, list.masks, list.counts},
+                 bins);
+    rec.barrier(Stage::compute, Stage::compute);
+    rec.barrier(Stage::compute, Stage::indirect);
+
+    shared::CullTrianglesParams params{
+        .clipFromWorld = view.clipFromWorld,
+        .size = {static_cast<float>(view.size.width), static_cast<float>(view.size.height)}};
+    std::copy(scene.binStarts().begin(), scene.binStarts().end(), params.binStarts);
+    rec.dispatchIndirect(
+        triangles, list.counts,
+        scene::withScene(scene, {list.visible, list.counts, list.masks, list.triangleOffsets}),
+        params);
+    rec.barrier(Stage::compute, Stage::compute);
+    prefixSum.record(rec, list.triangleOffsets, count + 1);
+
+    rec.dispatchIndirect(emit, list.counts,
+                         scene::withScene(scene, {list.visible, list.counts, list.masks,
+                                                  list.triangleOffsets, list.indices,
+                                                  list.ids.buffer(), list.draws}));
 }
 
 }  // namespace lodestar::geometry

@@ -10,6 +10,7 @@ namespace lodestar::geometry {
 struct CullView {
     glm::mat4 clipFromWorld{1};  ///< reversed depth; orthographic or perspective
     glm::vec3 eye{0};            ///< world; used for normal cones
+    vk::Extent2D size;           ///< of the target [pixels]
     bool perspective = true;
     bool keepBeforeNear = false;  ///< do not cull what lies before the near plane (shadow casters)
 };
@@ -19,13 +20,18 @@ struct CullView {
 struct DrawList {
     DrawList(const gpu::Device&, const scene::GpuScene&, const std::string& name);
 
-    gpu::Buffer offsets;   ///< triangles before each cluster; the total at clusterCount()
-    gpu::Buffer indices;   ///< cluster << 6 | meshlet vertex, three a triangle
-    gpu::TexelBuffer ids;  ///< cluster << 7 | meshlet triangle
-    gpu::Buffer draws;     ///< vk::DrawIndexedIndirectCommand for each scene::DrawBin
+    gpu::Buffer clusterOffsets;   ///< visible clusters before each cluster; the total at the end
+    gpu::Buffer visible;          ///< the visible clusters, in order
+    gpu::Buffer counts;           ///< shared::VisibleCounts
+    gpu::Buffer masks;            ///< of each visible cluster: a bit for each triangle kept
+    gpu::Buffer triangleOffsets;  ///< triangles before each visible cluster
+    gpu::Buffer indices;          ///< cluster << 6 | meshlet vertex, three a triangle
+    gpu::TexelBuffer ids;         ///< cluster << 7 | meshlet triangle
+    gpu::Buffer draws;            ///< vk::DrawIndexedIndirectCommand for each scene::DrawBin
 };
 
-/// Frustum and normal-cone culling of all clusters on the GPU, without read-back.
+/// Culling on the GPU without read-back: clusters by frustum and normal cone, then the triangles of
+/// those that remain by frustum, facing and size. What is dropped could not have covered a sample.
 class Cull {
 public:
     explicit Cull(const gpu::Device&);
@@ -34,7 +40,7 @@ public:
     void record(gpu::Recorder&, const scene::GpuScene&, const CullView&, DrawList& list) const;
 
 private:
-    gpu::Kernel cull, emit;
+    gpu::Kernel clusters, compact, triangles, emit;
     gpu::PrefixSum prefixSum;
 };
 

@@ -100,12 +100,10 @@ void Recorder::barrier(Stage from, Stage to) {
     commands.pipelineBarrier2({.memoryBarrierCount = 1, .pMemoryBarriers = &memory});
 }
 
-void Recorder::dispatchBytes(const Kernel& kernel, vk::Extent3D groups,
-                             const std::vector<Binding>& bindings,
-                             std::span<const std::byte> params) {
+void Recorder::bind(const Kernel& kernel, const std::vector<Binding>& bindings,
+                    std::span<const std::byte> params) {
     commands.bindPipeline(vk::PipelineBindPoint::eCompute, *kernel.pipeline());
     kernel.layout().push(commands, vk::PipelineBindPoint::eCompute, bindings, params);
-    commands.dispatch(groups.width, groups.height, groups.depth);
 }
 
 void Recorder::beginRendering(const Target& target) {

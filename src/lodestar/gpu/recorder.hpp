@@ -55,10 +55,25 @@ public:
     template <typename Params>
     void dispatch(const Kernel& kernel, vk::Extent3D groups, const std::vector<Binding>& bindings,
                   const Params& params) {
-        dispatchBytes(kernel, groups, bindings, std::as_bytes(std::span(&params, 1)));
+        bind(kernel, bindings, std::as_bytes(std::span(&params, 1)));
+        commands.dispatch(groups.width, groups.height, groups.depth);
     }
     void dispatch(const Kernel& kernel, vk::Extent3D groups, const std::vector<Binding>& bindings) {
-        dispatchBytes(kernel, groups, bindings, {});
+        bind(kernel, bindings, {});
+        commands.dispatch(groups.width, groups.height, groups.depth);
+    }
+
+    /// The number of workgroups is three words at the start of `groups`, visible to indirect.
+    template <typename Params>
+    void dispatchIndirect(const Kernel& kernel, const Buffer& groups,
+                          const std::vector<Binding>& bindings, const Params& params) {
+        bind(kernel, bindings, std::as_bytes(std::span(&params, 1)));
+        commands.dispatchIndirect(groups.vk(), 0);
+    }
+    void dispatchIndirect(const Kernel& kernel, const Buffer& groups,
+                          const std::vector<Binding>& bindings) {
+        bind(kernel, bindings, {});
+        commands.dispatchIndirect(groups.vk(), 0);
     }
 
     struct Target {
@@ -82,8 +97,7 @@ public:
     const Device& device() const { return *owner; }
 
 private:
-    void dispatchBytes(const Kernel&, vk::Extent3D, const std::vector<Binding>&,
-                       std::span<const std::byte>);
+    void bind(const Kernel&, const std::vector<Binding>&, std::span<const std::byte> params);
     void drawBytes(const RasterPipeline&, const Buffer&, const Buffer&, std::uint64_t,
                    const std::vector<Binding>&, std::span<const std::byte>);
     void timestamp();

@@ -22,14 +22,16 @@ struct Camera {
     glm::mat4 clipFromView(float aspect) const;
 };
 
-/// A view of the whole box from the front, a little above and to the right.
+/// A view of the whole box from the front, a little above and to the right, with a small margin. An
+/// empty (or not finite) box gives the view of the box from −1 to 1.
 Camera frame(const Bounds&, float aspect);
 
 /// `camera` turned by `angle` (radians, counter-clockwise seen from above) about the vertical axis
 /// through `pivot`.
 Camera orbited(const Camera&, glm::vec3 pivot, float angle);
 
-/// `camera` moved towards `camera.at` by `fraction` of the distance.
+/// `camera` moved towards `camera.at` by `fraction` of the distance; negative moves away. A fraction
+/// of 1 or more throws std::invalid_argument.
 Camera dollied(const Camera&, float fraction);
 
 /// The view of one of the scene's cameras. `sceneRadius` gives the distance of `at`.

@@ -172,7 +172,10 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene,
                        .vertices = static_cast<std::uint32_t>(packed.meshletVertices.size()),
                        .material = mesh.material,
                        .triangleCount = m.triangleCount});
-                  packed.meshlets.push_back({m.centre, m.radius, m.coneAxis, m.coneCutoff});
+                  // A double-sided surface is seen from behind too: no cone culls it.
+                  const bool doubleSided = scene.materials[mesh.material].doubleSided;
+                  packed.meshlets.push_back(
+                      {m.centre, m.radius, m.coneAxis, doubleSided ? 1 : m.coneCutoff});
                   const std::uint32_t* local = &set.vertices[m.vertexOffset];
                   for (std::uint32_t i = 0; i < m.vertexCount; ++i)
                       packed.meshletVertices.push_back(firstVertex + local[i]);
@@ -206,6 +209,8 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene,
           for (const Material& m : scene.materials)
               packed.materials.push_back(pack(m, scene, packed.textures));
           packed.features = featuresOf(packed.materials);
+          for (const Light& light : scene.lights)
+              packed.features.punctualLights |= light.kind != LightKind::directional;
           if (!packed.features.secondUvs) packed.secondUvs.clear();
           return packed;
       }()) {}

@@ -27,6 +27,7 @@ struct SceneFeatures {
     bool uvTransforms = false;     ///< or a second UV set, wrap modes but repeat, nearest filtering
     bool secondUvs = false;
     bool unlit = false;
+    bool punctualLights = false;
 };
 
 /// A scene in GPU memory: vertices, meshlets, instances, clusters, materials, texture arrays.

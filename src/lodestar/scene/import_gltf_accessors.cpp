@@ -80,10 +80,9 @@ template <typename Convert>
 void forEachComponent(Document& document, std::size_t index, const Convert& convert) {
     const Accessor& accessor = document.accessors[index];
     const std::size_t size = componentBytes(accessor.componentType);
-    // Columns of small matrices are padded; no such accessor is in use, but it has to stay inside.
-    const std::size_t components = std::min(accessor.components, accessor.elementBytes / size);
+    // Matrices are read as if packed: the only ones in use are of floats, which have no padding.
     const auto element = [&](std::size_t i, const std::uint8_t* bytes) {
-        for (std::size_t c = 0; c < components; ++c) convert(i, c, bytes + c * size);
+        for (std::size_t c = 0; c < accessor.components; ++c) convert(i, c, bytes + c * size);
     };
     if (accessor.view) {
         const std::uint8_t* bytes = viewBytes(document, *accessor.view).data() + accessor.offset;

@@ -18,12 +18,14 @@ constexpr std::uint32_t kJsonChunk = 0x4e4f534a;
 constexpr std::uint32_t kBinChunk = 0x004e4942;
 // Deeper JSON than any exporter writes; recursive code downstream is safe up to here.
 constexpr int kMaxDepth = 256;
-constexpr std::uint64_t kBaseBudget = 128ull << 20;
-constexpr std::uint64_t kBudgetPerByte = 128;
+// A tightly packed mesh (Draco) takes about 200 times its bytes while it is unpacked.
+constexpr std::uint64_t kBaseBudget = 256ull << 20;
+constexpr std::uint64_t kBudgetPerByte = 256;
 
 struct Container {
     std::string_view json;
     std::optional<Bytes> bin;
+    bool binary = false;
 };
 
 std::uint32_t readWord(Bytes bytes, std::size_t offset) {
@@ -49,6 +51,7 @@ Container splitGlb(Bytes file) {
                fmt::format("a GLB length of {} in a file of {} bytes", length, file.size()),
                remedy);
     Container container;
+    container.binary = true;
     std::size_t chunks = 0;
     for (std::size_t at = kHeader; at < length; ++chunks) {
         if (length - at < kChunkHeader)
@@ -136,16 +139,7 @@ bool isDataUri(std::string_view uri) {
     return uri.starts_with("data:");
 }
 
-/// The base64 payload of a data URI.
-std::string_view payload(const Place& uri) {
-    const std::string_view text = uri.text();
-    const std::size_t comma = text.find(',');
-    if (comma == std::string_view::npos || !text.substr(0, comma).ends_with(";base64"))
-        uri.refuse("is not a base64 data URI");
-    return text.substr(comma + 1);
-}
-
-std::vector<std::uint8_t> decodeBase64(const Place& uri) {
+std::vector<std::uint8_t> decodeBase64(const Place& uri, std::string_view text) {
     static const std::array<std::int8_t, 256> values = [] {
         std::array<std::int8_t, 256> table;
         table.fill(-1);
@@ -155,7 +149,6 @@ std::vector<std::uint8_t> decodeBase64(const Place& uri) {
             table[static_cast<unsigned char>(letters[i])] = static_cast<std::int8_t>(i);
         return table;
     }();
-    std::string_view text = payload(uri);
     for (int i = 0; i < 2 && text.ends_with('='); ++i) text.remove_suffix(1);
     if (text.size() % 4 == 1) uri.refuse("has base64 of an impossible length");
     std::vector<std::uint8_t> bytes;
@@ -173,6 +166,16 @@ std::vector<std::uint8_t> decodeBase64(const Place& uri) {
         }
     }
     return bytes;
+}
+
+std::vector<std::uint8_t> decodeDataUri(const Place& uri) {
+    const std::string_view text = uri.text();
+    const std::size_t comma = text.find(',');
+    if (comma == std::string_view::npos) uri.refuse("is a data URI without data");
+    const std::string_view data = text.substr(comma + 1);
+    if (text.substr(0, comma).ends_with(";base64")) return decodeBase64(uri, data);
+    const std::string plain = percentDecoded(data);
+    return {plain.begin(), plain.end()};
 }
 
 /// The path a relative URI names, as written; refuses all that is not below the folder.
@@ -195,14 +198,21 @@ std::filesystem::path relativePath(const Place& uri) {
 }
 
 std::vector<std::uint8_t> loadBuffer(Document& document, const Place& buffer, bool first,
-                                     const std::optional<Bytes>& bin) {
+                                     const Container& container) {
     const std::uint64_t length = buffer.get("byteLength").whole();
     if (length == 0) buffer.get("byteLength").refuse("is 0");
     if (const std::optional<Place> uri = buffer.find("uri")) {
         checkUri(*uri);
         return readUri(document, *uri, length, length);
     }
-    if (!first || !bin) return {};
+    const std::optional<Bytes>& bin = container.bin;
+    if (!first || !bin) {
+        // Whoever embeds a .gltf may hand it buffers; a .glb has nobody to ask.
+        const std::optional<Place> packed = buffer.extension("EXT_meshopt_compression");
+        if (first && container.binary && !packed)
+            buffer.refuse("the GLB has no BIN chunk to take it from");
+        return {};
+    }
     if (length > bin->size())
         buffer.get("byteLength")
             .refuse(
@@ -243,7 +253,7 @@ std::vector<std::uint8_t> readFile(const std::filesystem::path& path, std::uint6
 
 void checkUri(const Place& uri) {
     if (isDataUri(uri.text()))
-        payload(uri);
+        decodeDataUri(uri);
     else
         relativePath(uri);
 }
@@ -253,7 +263,7 @@ std::vector<std::uint8_t> readUri(Document& document, const Place& uri, std::uin
     std::vector<std::uint8_t> bytes;
     std::string name = "the data URI";
     if (isDataUri(uri.text())) {
-        bytes = decodeBase64(uri);  // part of the file already counted
+        bytes = decodeDataUri(uri);  // part of the file already counted
     } else {
         const std::filesystem::path relative = relativePath(uri);
         name = '\'' + cleaned(uri.text()) + '\'';
@@ -284,12 +294,11 @@ Document readDocument(Bytes file, const std::filesystem::path& folder) {
     document.budget = kBaseBudget;
     document.addFileBytes(file.size());
     const bool binary = file.size() >= 4 && readWord(file, 0) == kMagic;
-    const Container container = binary ? splitGlb(file) : Container{asText(file), std::nullopt};
+    const Container container = binary ? splitGlb(file) : Container{asText(file), {}};
     document.json = parseJson(container.json);
     const std::vector<Place> buffers = document.root().object().elements("buffers");
     for (std::size_t i = 0; i < buffers.size(); ++i) {
-        document.buffers.push_back(
-            loadBuffer(document, buffers[i].object(), i == 0, container.bin));
+        document.buffers.push_back(loadBuffer(document, buffers[i].object(), i == 0, container));
     }
     return document;
 }

@@ -7,6 +7,7 @@
 #include <set>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include <lodestar/scene/import_gltf_place.hpp>
@@ -54,6 +55,7 @@ struct Accessor {
     std::string type;              ///< "VEC3"
     std::size_t components = 1;    ///< of an element
     std::size_t elementBytes = 4;  ///< with the padding of matrix columns
+    std::size_t lastBytes = 4;     ///< of the last element, which may end without padding
     bool normalized = false;
     std::optional<Sparse> sparse;
 };
@@ -77,6 +79,9 @@ struct Document {
     void addFileBytes(std::uint64_t bytes);
 };
 
+/// Extensions that are read. A file may require these and no others.
+bool isSupported(std::string_view extension);
+
 /// Splits the container and parses its JSON; loads all buffers.
 Document readDocument(Bytes file, const std::filesystem::path& folder);
 
@@ -84,7 +89,7 @@ Document readDocument(Bytes file, const std::filesystem::path& folder);
 std::vector<std::uint8_t> readFile(const std::filesystem::path&, std::uint64_t most,
                                    const std::string& place);
 
-/// Checks the form of a URI without reading what it names: a base64 data URI, or a relative path
+/// Checks the form of a URI without reading what it names: a sound data URI, or a relative path
 /// that stays below the folder.
 void checkUri(const Place& uri);
 /// The bytes a URI names: `least` at least, and no more than `most` of them.

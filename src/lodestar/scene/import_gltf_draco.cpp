@@ -94,11 +94,16 @@ std::vector<float> valuesOf(const draco::PointAttribute& attribute, std::size_t 
 
 DracoPrimitive decodeDraco(Document& document, const Place& primitive) {
     // What libdraco keeps while it decodes (corner table, traversal, attributes), about.
-    constexpr std::uint64_t kBytesPerTriangle = 200;
+    constexpr std::uint64_t kBytesPerTriangle = 100;
+    // Beyond what even a flat grid packs into.
+    constexpr std::uint64_t kMostTrianglesPerByte = 1024;
     const Place extension = *primitive.extension("KHR_draco_mesh_compression");
     const std::string place = extension.path();
     const Bytes bytes = viewBytes(document, extension.get("bufferView").whole());
-    document.spend(announcedTriangles(bytes, place) * kBytesPerTriangle, place);
+    const std::uint64_t triangles = announcedTriangles(bytes, place);
+    if (triangles > kMostTrianglesPerByte * bytes.size())
+        refuse(place, fmt::format("{} bytes can't hold {} triangles", bytes.size(), triangles));
+    document.spend(triangles * kBytesPerTriangle, place);
 
     draco::DecoderBuffer buffer;
     buffer.Init(reinterpret_cast<const char*>(bytes.data()), bytes.size());

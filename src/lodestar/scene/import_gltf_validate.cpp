@@ -42,7 +42,7 @@ void validateHead(const Document& document) {
                           "convert it to glTF 2.0");
     for (const Place& used : root.elements("extensionsUsed")) used.text();
     for (const Place& required : root.elements("extensionsRequired"))
-        if (std::find(kSupported.begin(), kSupported.end(), required.text()) == kSupported.end())
+        if (!isSupported(required.text()))
             required.refuse(
                 fmt::format("requires {}, which is not supported", cleaned(required.text())),
                 "export it without that extension");
@@ -192,10 +192,12 @@ Accessor accessorOf(const Document& document, const Place& place) {
     accessor.componentType = componentTypeOf(place.get("componentType"));
     if (const std::optional<Place> normalized = place.find("normalized"))
         accessor.normalized = normalized->boolean() && accessor.componentType != kFloat;
-    accessor.elementBytes = accessor.components * componentBytes(accessor.componentType);
-    if (shape->columns > 1)  // columns start at multiples of 4 bytes
-        accessor.elementBytes =
-            (accessor.elementBytes / shape->columns + 3) / 4 * 4 * shape->columns;
+    // The columns of a matrix start at multiples of 4 bytes.
+    const std::size_t column =
+        accessor.components / shape->columns * componentBytes(accessor.componentType);
+    const std::size_t padded = shape->columns > 1 ? (column + 3) / 4 * 4 : column;
+    accessor.elementBytes = padded * shape->columns;
+    accessor.lastBytes = accessor.elementBytes - (padded - column);
     accessor.stride = accessor.elementBytes;
     accessor.count = place.get("count").whole();
     const std::optional<Place> offset = place.find("byteOffset");
@@ -213,8 +215,7 @@ Accessor accessorOf(const Document& document, const Place& place) {
                                                   accessor.count, view.length,
                                                   placeOf("bufferViews", *accessor.view)));
         const std::uint64_t length =
-            accessor.count == 0 ? 0
-                                : accessor.stride * (accessor.count - 1) + accessor.elementBytes;
+            accessor.count == 0 ? 0 : accessor.stride * (accessor.count - 1) + accessor.lastBytes;
         checkRange(place, accessor.offset, length, view.length,
                    placeOf("bufferViews", *accessor.view));
     } else {
@@ -239,6 +240,13 @@ std::uint32_t largest(Document& document, std::size_t accessor,
         known[accessor] = values.empty() ? 0 : *std::max_element(values.begin(), values.end());
     }
     return *known[accessor];
+}
+
+/// The index that graphics APIs may take for the start of a new strip; glTF bans it.
+std::uint32_t restartIndex(std::uint32_t componentType) {
+    return componentType == kUnsignedByte    ? 0xff
+           : componentType == kUnsignedShort ? 0xffff
+                                             : 0xffffffffu;
 }
 
 bool isReadable(const Document& document, std::size_t index) {
@@ -276,6 +284,10 @@ std::vector<std::size_t> jointsOfMeshes(const Place& root) {
 
 }  // namespace
 
+bool isSupported(std::string_view extension) {
+    return std::find(kSupported.begin(), kSupported.end(), extension) != kSupported.end();
+}
+
 void validateViewsAndAccessors(Document& document) {
     const Place root = document.root();
     for (const Place& view : root.elements("bufferViews"))
@@ -304,9 +316,12 @@ void validateData(Document& document) {
             if (indices && position && isReadable(document, indices->whole())) {
                 const std::uint32_t most = largest(document, indices->whole(), known);
                 const std::size_t count = document.accessors[position->whole()].count;
-                if (document.accessors[indices->whole()].count > 0 && most >= count)
+                const Accessor& accessor = document.accessors[indices->whole()];
+                if (accessor.count > 0 && most >= count)
                     indices->refuse(fmt::format("index {} is not below the number of vertices ({})",
                                                 most, count));
+                if (most == restartIndex(accessor.componentType))
+                    indices->refuse(fmt::format("index {} asks for a primitive restart", most));
             }
             for (int set = 0;; ++set) {
                 const std::optional<Place> accessor =

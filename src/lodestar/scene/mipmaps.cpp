@@ -42,7 +42,9 @@ const SrgbTables& srgb() {
 }
 
 /// Clamped to 0 … 1; NaN is 0.
-float unit(float value) { return value > 0 ? std::min(value, 1.0f) : 0; }
+float unit(float value) {
+    return value > 0 ? std::min(value, 1.0f) : 0;
+}
 
 std::uint8_t encodeSrgb(float value, const SrgbTables& tables) {
     const float clamped = unit(value);

@@ -22,11 +22,13 @@ layout(binding = 6) uniform sampler2D sky;
 layout(binding = 7, scalar) readonly buffer Lights { GpuLight lights[]; };
 layout(binding = 8, rgba16f) writeonly uniform image2D outRadiance;
 
+layout(constant_id = 2) const uint kPunctualLights = 1;
+
 const float kSunCosine = 0.99996;  // half of its half-degree disc
 
-vec3 background(vec3 direction) {
+vec3 sunDisc(vec3 direction) {
     const float disc = smoothstep(kSunCosine - 2e-5, kSunCosine, dot(direction, light.toSun));
-    return skyRadiance(sky, light.skyLevels, direction, 0) + disc * 40 * light.sunIlluminance;
+    return disc * 40 * light.sunIlluminance;
 }
 
 /// Unshadowed point and spot lights, with the falloff of KHR_lights_punctual.
@@ -61,32 +63,34 @@ void main() {
     const vec3 ray = transpose(mat3(view.viewFromWorld)) * vec3(ndc / view.clipScale, -1);
     const vec3 direction = normalize(ray);
     const float depth = texelFetch(surfaceDepth, pixel, 0).x;
-    if (depth == 0) {
-        imageStore(outRadiance, pixel, vec4(background(direction), 1));
-        return;
-    }
-
     const uvec4 material = texelFetch(surfaceMaterial, pixel, 0);
     const vec4 albedo = unpackUnorm4x8(material.x);  // a: occlusion
     const vec2 roughMetal = unpackUnorm4x8(material.y).xy;
-    const vec3 vertexNormal = unpackNormal(material.w);
     const Surface s = makeSurface(albedo.rgb * albedo.rgb, roughMetal.x, roughMetal.y,
                                   unpackNormal(material.z), -direction);
-    const vec4 term = texelFetch(terms, pixel, 0);
+
+    // The sky is looked up once: past the surfaces, or mirrored in one.
+    const bool hit = depth > 0;
+    const vec3 seenAt = hit ? reflect(direction, s.normal) : direction;
+    const vec3 seen =
+        skyRadiance(sky, light.skyLevels, seenAt, hit ? s.perceptualRoughness : 0);
+    if (!hit) {
+        imageStore(outRadiance, pixel, vec4(seen + sunDisc(direction), 1));
+        return;
+    }
 
     // The sky's irradiance was taken at the smooth vertex normal; what the normal map bends it by
     // is its first-order change.
-    const vec3 bend = s.normal - vertexNormal;
+    const vec4 term = texelFetch(terms, pixel, 0);
+    const vec3 bend = s.normal - unpackNormal(material.w);
     const vec3 ambient =
         max(term.rgb + light.irradianceSlope[0] * bend.x + light.irradianceSlope[1] * bend.y +
                 light.irradianceSlope[2] * bend.z,
             vec3(0));
     vec3 radiance = reflected(s, light.toSun) * light.sunIlluminance * term.a;
     radiance += s.diffuse * ambient * (albedo.a / 3.14159265);
-    const vec3 mirror = reflect(direction, s.normal);
-    radiance += skyRadiance(sky, light.skyLevels, mirror, s.perceptualRoughness) *
-                environmentReflectance(s) * albedo.a;
-    if (light.lightCount > 0) radiance += punctual(s, view.eye + ray * depth);
+    radiance += seen * environmentReflectance(s) * albedo.a;
+    if (kPunctualLights != 0) radiance += punctual(s, view.eye + ray * depth);
     if (kEmissive != 0) radiance += texelFetch(surfaceEmissive, pixel, 0).rgb;
     if (kUnlit != 0 && (material.y >> 16 & LS_MATERIAL_UNLIT) != 0)
         radiance = albedo.rgb * albedo.rgb / light.exposure;

@@ -29,7 +29,7 @@ Combine::Combine(const gpu::Device& device, const scene::SceneFeatures& features
              {Slot::uniformBuffer, Slot::uniformBuffer, Slot::sampledImage, Slot::sampledImage,
               Slot::sampledImage, Slot::sampledImage, Slot::sampledImage, Slot::storageBuffer,
               Slot::storageImage},
-             0, {features.emissive, features.unlit}) {}
+             0, {features.emissive, features.unlit, features.punctualLights}) {}
 
 void Combine::record(gpu::Recorder& rec, const Inputs& in, gpu::View radiance) const {
     const auto pass = rec.pass("combine");

@@ -23,8 +23,10 @@ const vec3 kRayleigh{5.802e-3f, 13.558e-3f, 33.1e-3f};
 const vec3 kMieScatter{4e-3f};
 const vec3 kMieExtinct{4.44e-3f};
 const vec3 kOzone{0.650e-3f, 1.881e-3f, 0.085e-3f};
-// Light scattered more than once, which the model leaves out, adds about this much.
-constexpr float kHigherOrders = 1.4f;
+// What single scattering leaves out: more light of the same colour, and a whiter part from all
+// sides (share of the sun's light on the ground). Chosen so that a clear sky lights a level plane
+// with about a fifth of what the sun does.
+constexpr float kHigherOrders = 1.7f, kFromAllSides = 0.022f;
 const vec3 kGroundAlbedo{0.22f, 0.20f, 0.17f};
 
 float exitDistance(vec3 from, vec3 direction) {
@@ -113,7 +115,8 @@ vec3 Sky::scattered(vec3 direction) const {
                (kRayleigh * (d.rayleigh * rayleighPhase) + kMieScatter * (d.mie * miePhase));
         depth += extinction(d) * (0.5f * step);
     }
-    return sum * (brightness * kHigherOrders);
+    return sum * (brightness * kHigherOrders) +
+           sunOnGround * (kFromAllSides * std::max(sunDirection.y, 0.0f));
 }
 
 vec3 Sky::radiance(vec3 direction) const {

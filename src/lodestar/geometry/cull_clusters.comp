@@ -3,18 +3,18 @@
 #include "../scene/scene.glsl"
 #include "cull_params.h"
 
-// One thread a cluster: how many triangles of it to draw, 0 when its bounding sphere is outside the
-// view or its normal cone faces away.
+// One thread a cluster: 1 when its bounding sphere meets the view and its normal cone does not face
+// away, else 0.
 layout(local_size_x = 64) in;
 
-layout(binding = 7, scalar) writeonly buffer Counts { uint counts[]; };
-layout(push_constant, scalar) uniform Push { CullParams params; };
+layout(binding = 7, scalar) writeonly buffer Flags { uint flags[]; };
+layout(push_constant, scalar) uniform Push { CullClustersParams params; };
 
 void main() {
     const uint index = gl_GlobalInvocationID.x;
     if (index > params.clusterCount) return;
     if (index == 0 || index == params.clusterCount) {  // the unused one, and the total's place
-        counts[index] = 0;
+        flags[index] = 0;
         return;
     }
     const GpuCluster cluster = loadCluster(index);
@@ -27,12 +27,13 @@ void main() {
     for (int i = 0; i < 5; ++i)
         visible = visible && dot(params.planes[i], vec4(centre, 1)) >= -radius;
 
-    const uint coneNeeds = LS_INSTANCE_CONE_VALID;
+    // Cones hold for surfaces that are culled from behind; of others cutoff is 1 (gpu_scene.cpp).
+    const uint relevant = LS_INSTANCE_CONE_VALID | LS_INSTANCE_REFLECTED;
     if (params.useCones != 0 && meshlet.coneCutoff < 1 &&
-        (instance.flags & (coneNeeds | LS_INSTANCE_REFLECTED)) == coneNeeds) {
+        (instance.flags & relevant) == LS_INSTANCE_CONE_VALID) {
         const vec3 axis = normalize(transformDirection(instance, meshlet.coneAxis));
         const vec3 away = centre - params.eye;
         if (dot(away, axis) >= meshlet.coneCutoff * length(away) + radius) visible = false;
     }
-    counts[index] = visible ? cluster.triangleCount : 0;
+    flags[index] = visible ? 1 : 0;
 }
