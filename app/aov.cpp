@@ -7,8 +7,8 @@
 
 #include <glm/gtc/packing.hpp>
 
-#include <lodestar/gpu/readback.hpp>
 #include <lodestar/shared/octahedral.h>
+#include <lodestar/gpu/readback.hpp>
 
 #include "app/image_io.hpp"
 
@@ -68,7 +68,8 @@ std::vector<ExrChannel> makeAov(const Planes& p, const std::string& name) {
         return channels<vec1>(p, one,
                               [&](auto i) { return vec1(glm::unpackHalf4x16(p.terms[i]).w); });
     if (name == "ambient")
-        return channels<vec3>(p, rgb, [&](auto i) { return vec3(glm::unpackHalf4x16(p.terms[i])); });
+        return channels<vec3>(p, rgb,
+                              [&](auto i) { return vec3(glm::unpackHalf4x16(p.terms[i])); });
     return channels<vec1>(p, one, [&](auto i) { return vec1(static_cast<float>(p.ids[i])); });
 }
 
@@ -104,9 +105,8 @@ Result<std::vector<std::filesystem::path>> writeAovs(const gpu::Device& device,
     std::vector<std::filesystem::path> files;
     for (const std::string& name : names) {
         files.push_back(std::filesystem::path(out).replace_extension(name + ".exr"));
-        const auto written =
-            writeExr(files.back(), static_cast<int>(size.width), static_cast<int>(size.height),
-                     makeAov(planes, name));
+        const auto written = writeExr(files.back(), static_cast<int>(size.width),
+                                      static_cast<int>(size.height), makeAov(planes, name));
         if (!written) return tl::unexpected(written.error());
     }
     return files;

@@ -26,8 +26,8 @@ Calibration calibrate(frame::Frame& frame, const scene::Camera& camera, int roun
 }
 
 Run renderRun(const Session& session, frame::Frame& frame, const scene::Camera& start,
-              const RunOptions& options,
-              const std::function<Result<void>(std::size_t)>& afterFrame, Result<void>& outcome) {
+              const RunOptions& options, const std::function<Result<void>(std::size_t)>& afterFrame,
+              Result<void>& outcome) {
     Run run;
     budget::Levers levers{.shadingRate = options.shadingRate};
     std::optional<budget::YangController> controller;

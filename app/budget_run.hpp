@@ -15,8 +15,8 @@ namespace lodestar::app {
 
 /// What full quality costs from one camera, and what the shading rate does to it.
 struct Calibration {
-    double fullMs = 0;                 ///< median at r = 1
-    budget::CostModel model;           ///< through the medians at r = 2 and r = 4
+    double fullMs = 0;        ///< median at r = 1
+    budget::CostModel model;  ///< through the medians at r = 2 and r = 4
 };
 
 /// Renders at r = 1, 2 and 4 in turn, `rounds` times after a warm-up.

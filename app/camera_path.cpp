@@ -17,9 +17,10 @@ namespace {
 Result<std::vector<scene::Camera>> readKeys(const std::string& name) {
     std::ifstream file(name);
     if (!file)
-        return fail(fmt::format("'{}' is no path: give orbit, orbit:DEGREES, dolly, dolly:FRACTION "
-                                "or a JSON file",
-                                name));
+        return fail(
+            fmt::format("'{}' is no path: give orbit, orbit:DEGREES, dolly, dolly:FRACTION "
+                        "or a JSON file",
+                        name));
     const Json json = Json::parse(file, nullptr, false);
     if (!json.is_array() || json.empty())
         return fail(name + ": not a JSON array of cameras with \"eye\" and \"at\"");
@@ -79,9 +80,12 @@ scene::Camera CameraPath::at(const scene::Camera& start, std::size_t index,
     const auto steps = static_cast<float>(std::max<std::size_t>(closed ? count : count - 1, 1));
     const float t = static_cast<float>(index) / steps;
     switch (kind) {
-        case Kind::still: return start;
-        case Kind::orbit: return scene::orbited(start, start.at, amount * t);
-        case Kind::dolly: return scene::dollied(start, amount * t);
+        case Kind::still:
+            return start;
+        case Kind::orbit:
+            return scene::orbited(start, start.at, amount * t);
+        case Kind::dolly:
+            return scene::dollied(start, amount * t);
         case Kind::keys: {
             const float place = t * static_cast<float>(keys.size() - 1);
             const auto first = std::min(static_cast<std::size_t>(place), keys.size() - 1);
@@ -90,8 +94,7 @@ scene::Camera CameraPath::at(const scene::Camera& start, std::size_t index,
             scene::Camera camera = start;
             camera.eye = glm::mix(keys[first].eye, keys[second].eye, mix);
             camera.at = glm::mix(keys[first].at, keys[second].at, mix);
-            camera.verticalFov =
-                glm::mix(keys[first].verticalFov, keys[second].verticalFov, mix);
+            camera.verticalFov = glm::mix(keys[first].verticalFov, keys[second].verticalFov, mix);
             return camera;
         }
     }

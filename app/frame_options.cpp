@@ -45,7 +45,9 @@ Result<glm::vec3> parseSun(const std::string& text) {
     return fail("'" + text + "' is no sun: give AZIMUTH,ELEVATION in degrees, such as 125,53");
 }
 
-Json sigmaJson(float sigma) { return std::isinf(sigma) ? Json("inf") : Json(sigma); }
+Json sigmaJson(float sigma) {
+    return std::isinf(sigma) ? Json("inf") : Json(sigma);
+}
 
 }  // namespace
 

@@ -24,22 +24,27 @@ Result<void> run(const Options& options) {
     const gpu::Device device(gpu::DeviceRequest{.device = options.device});
     const gpu::DeviceDescription& chosen = device.description();
 
-    Table list({{"", Table::Align::right}, {"device"}, {"type"}, {"driver"}, {"Vulkan"}, {"verdict"}});
+    Table list(
+        {{"", Table::Align::right}, {"device"}, {"type"}, {"driver"}, {"Vulkan"}, {"verdict"}});
     Json listed = Json::array();
     for (const auto& d : devices) {
         const std::string verdict = !d.unusableBecause.empty() ? "unusable: " + d.unusableBecause
                                     : d.index == chosen.index  ? "chosen: " + device.whyChosen()
                                                                : "usable";
         list.row({std::to_string(d.index), d.name, d.type, d.driver, d.api, verdict});
-        listed.push_back({{"index", d.index}, {"name", d.name}, {"type", d.type},
-                          {"driver", d.driver}, {"api", d.api}, {"verdict", verdict}});
+        listed.push_back({{"index", d.index},
+                          {"name", d.name},
+                          {"type", d.type},
+                          {"driver", d.driver},
+                          {"api", d.api},
+                          {"verdict", verdict}});
     }
     Table features({{"optional feature"}, {"here"}, {"without it"}});
     Json optional = Json::array();
     for (const auto& feature : device.optionalFeatures()) {
         features.row({feature.name, feature.present ? "yes" : "no", feature.fallback});
-        optional.push_back({{"name", feature.name}, {"present", feature.present},
-                            {"fallback", feature.fallback}});
+        optional.push_back(
+            {{"name", feature.name}, {"present", feature.present}, {"fallback", feature.fallback}});
     }
     fmt::print("Vulkan devices\n{}\n{}", list.text(), features.text());
     if (options.json.empty()) return {};
@@ -55,7 +60,8 @@ Result<void> run(const Options& options) {
 void addInfo(CLI::App& app, int& exitCode) {
     auto options = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand(
-        "info", "the Vulkan devices, which one is chosen and why, and what stands in for what it lacks");
+        "info",
+        "the Vulkan devices, which one is chosen and why, and what stands in for what it lacks");
     addDeviceOption(*command, options->device);
     addJsonOption(*command, options->json);
     command->callback([options, &exitCode] { exitCode = finish(run(*options)); });

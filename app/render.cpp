@@ -91,7 +91,9 @@ Result<Quality> judgeRun(const Session& session, frame::Frame& frame, const Run&
     return quality;
 }
 
-std::string percent(double share) { return fmt::format("{:.0f} %", 100 * share); }
+std::string percent(double share) {
+    return fmt::format("{:.0f} %", 100 * share);
+}
 
 std::string db(double value) {
     return std::isinf(value) ? "identical" : fmt::format("{:.1f} dB", value);
@@ -134,8 +136,8 @@ void printSummary(const Options& options, const Outcome& outcome) {
     Table table({{""}, {""}, {""}});
     if (outcome.targetMs) {
         const budget::Trace& trace = outcome.run.trace;
-        const std::size_t settling = options.frames > 2 * budget::Trace::kSettling
-                                         ? budget::Trace::kSettling : 0;
+        const std::size_t settling =
+            options.frames > 2 * budget::Trace::kSettling ? budget::Trace::kSettling : 0;
         table.row({"full quality", formatMs(outcome.calibration.fullMs), "from the first camera"});
         table.row({"budget", formatMs(*outcome.targetMs),
                    percent(*outcome.targetMs / outcome.calibration.fullMs) + " of full quality"});
@@ -154,8 +156,10 @@ void printSummary(const Options& options, const Outcome& outcome) {
         const Quality& q = *outcome.quality;
         const std::string note = q.frames.size() == 1
                                      ? "against full quality"
-                                     : fmt::format("median of {} frames against full quality, "
-                                                   "worst {}", q.frames.size(), db(q.worstPsnrDb));
+                                     : fmt::format(
+                                           "median of {} frames against full quality, "
+                                           "worst {}",
+                                           q.frames.size(), db(q.worstPsnrDb));
         table.row({"PSNR", db(q.median.psnrDb), note});
         table.row({"SSIM", fmt::format("{:.4f}", q.median.ssim), "1 = identical"});
         table.row({"FLIP", fmt::format("{:.4f}", q.median.flip), "0 = no visible difference"});
@@ -225,11 +229,12 @@ Result<void> run(Options options) {
     fmt::print("{} at {}x{} on {}\n", printable(options.scene), options.view.size.width,
                options.view.size.height, session->device->description().name);
 
-    RunOptions runOptions{.frames = options.frames,
-                          .path = options.path,
-                          .fps = options.fps,
-                          .shadingRate = static_cast<float>(options.shadingRate),
-                          .samples = options.reference ? std::min<std::size_t>(options.frames, 12) : 0};
+    RunOptions runOptions{
+        .frames = options.frames,
+        .path = options.path,
+        .fps = options.fps,
+        .shadingRate = static_cast<float>(options.shadingRate),
+        .samples = options.reference ? std::min<std::size_t>(options.frames, 12) : 0};
     Outcome outcome;
     if (options.budget) {
         outcome.calibration = calibrate(frame, options.path.at(*camera, 0, options.frames), 5);
@@ -258,7 +263,8 @@ Result<void> run(Options options) {
             if (!numberFrames && !last) return {};
             const fs::path file = numberFrames ? numbered(out, i) : out;
             if (last || files.empty()) files.push_back(file);
-            if (auto done = writePng(file, readDisplay(*session->device, frame)); !done) return done;
+            if (auto done = writePng(file, readDisplay(*session->device, frame)); !done)
+                return done;
             if (!last || options.aovs.empty()) return {};
             auto aovs = writeAovs(*session->device, frame, options.aovs, out);
             if (!aovs) return tl::unexpected(aovs.error());
@@ -294,7 +300,8 @@ Result<void> run(Options options) {
 void addRender(CLI::App& app, int& exitCode) {
     auto o = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand(
-        "render", "render one frame or a run of frames, at a fixed shading rate or inside a budget");
+        "render",
+        "render one frame or a run of frames, at a fixed shading rate or inside a budget");
     addSceneArgument(*command, o->scene);
     command
         ->add_option("--out", o->out,
@@ -328,11 +335,13 @@ void addRender(CLI::App& app, int& exitCode) {
         ->check(CLI::IsMember({"yang", "none"}))
         ->capture_default_str()
         ->group("Run");
-    command->add_flag("--reference", o->reference,
-                      "also render at full quality and report PSNR, SSIM and FLIP against it")
+    command
+        ->add_flag("--reference", o->reference,
+                   "also render at full quality and report PSNR, SSIM and FLIP against it")
         ->group("Run");
-    command->add_option("--shading-rate", o->shadingRate,
-                        "r of the coarse terms where there is no budget; 1 = full quality")
+    command
+        ->add_option("--shading-rate", o->shadingRate,
+                     "r of the coarse terms where there is no budget; 1 = full quality")
         ->type_name("R")
         ->check(CLI::Range(1.0, 64.0))
         ->capture_default_str()

@@ -14,13 +14,16 @@
 namespace lodestar::app {
 namespace {
 
-float radians(double degrees) { return static_cast<float>(glm::radians(degrees)); }
+float radians(double degrees) {
+    return static_cast<float>(glm::radians(degrees));
+}
 
 std::string listNames(const std::vector<scene::SceneCamera>& cameras) {
     if (cameras.empty()) return "the scene has none";
     std::string names;
     for (std::size_t i = 0; i < cameras.size(); ++i)
-        names += fmt::format("{}{}: {}", i == 0 ? "there is " : ", ", i, printable(cameras[i].name));
+        names +=
+            fmt::format("{}{}: {}", i == 0 ? "there is " : ", ", i, printable(cameras[i].name));
     return names;
 }
 

@@ -18,8 +18,6 @@ add_library(lodestar STATIC
     visibility/rebuild.cpp
     shading/coarse.cpp
     shading/combine.cpp
-    shading/sky.cpp
-    shading/sun_shadow.cpp
     upsample/upsample.cpp
     post/tonemap.cpp
     frame/frame.cpp

@@ -3,9 +3,9 @@
 
 #include <glm/gtc/packing.hpp>
 
-#include <lodestar/gpu/readback.hpp>
 #include <lodestar/shading/light_params.h>
 #include <lodestar/visibility/view_params.h>
+#include <lodestar/gpu/readback.hpp>
 
 namespace lodestar::frame {
 namespace {
@@ -15,10 +15,11 @@ using Usage = vk::ImageUsageFlagBits;
 
 gpu::Image target(const gpu::Device& device, vk::Extent2D extent, vk::Format format,
                   const char* name, vk::ImageUsageFlags extra = {}) {
-    return {device, {.name = name,
-                     .format = format,
-                     .extent = extent,
-                     .usage = Usage::eSampled | Usage::eTransferSrc | extra}};
+    return {device,
+            {.name = name,
+             .format = format,
+             .extent = extent,
+             .usage = Usage::eSampled | Usage::eTransferSrc | extra}};
 }
 
 gpu::Image makeSkyImage(const gpu::Device& device, const shading::Sky& sky) {
@@ -108,11 +109,11 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
     if (levers.shadingRate > 1) {
         coarse.record(rec, *scene, coarseInputs, levers.shadingRate, coarseImage);
         rec.barrier(Stage::compute, Stage::compute);
-        upsample.record(rec,
-                        {coarseImage, surfaces.depth, surfaces.normal,
-                         shading::coarseExtent(options.size, levers.shadingRate),
-                         levers.shadingRate},
-                        options.sigmas, termImage);
+        upsample.record(
+            rec,
+            {coarseImage, surfaces.depth, surfaces.normal,
+             shading::coarseExtent(options.size, levers.shadingRate), levers.shadingRate},
+            options.sigmas, termImage);
     } else {
         coarse.recordFull(rec, *scene, coarseInputs, termImage);
     }
@@ -131,7 +132,9 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
 void Frame::drawShadowMap(gpu::Recorder& r, const scene::Camera& camera) {
     const scene::Bounds& bounds = scene->bounds();
     const float toScene = bounds.empty() ? 1 : glm::distance(camera.eye, bounds.centre());
-    const float distance = options.shadowDistance > 0 ? options.shadowDistance : 2.5f * toScene;
+    // To the far side of the scene, wherever in it the eye is.
+    const float distance =
+        options.shadowDistance > 0 ? options.shadowDistance : toScene + bounds.radius();
     const shading::SunView now =
         shading::fitSun(sky.toSun(), bounds, camera, aspect, distance, options.shadowMapSize);
     if (options.shadowTaps == 0 || (now == sun && shadowVersion == scene->version())) return;

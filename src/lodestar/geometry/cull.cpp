@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 
-#include <lodestar/geometry/cull.hpp>
 #include <lodestar/geometry/cull_params.h>
+#include <lodestar/geometry/cull.hpp>
 #include <lodestar/scene/scene_bindings.hpp>
 
 namespace lodestar::geometry {
@@ -24,7 +24,9 @@ constexpr std::uint32_t kEmitCode[] =
 using gpu::Slot;
 using gpu::Stage;
 
-glm::vec4 normalised(glm::vec4 plane) { return plane / glm::length(glm::vec3(plane)); }
+glm::vec4 normalised(glm::vec4 plane) {
+    return plane / glm::length(glm::vec3(plane));
+}
 
 /// Gribb & Hartmann 2001: the planes of a projection are sums of its rows.
 shared::CullClustersParams clusterParams(const CullView& view, std::uint32_t clusters) {
@@ -97,10 +99,10 @@ void Cull::record(gpu::Recorder& rec, const scene::GpuScene& scene, const CullVi
     rec.barrier(Stage::compute, Stage::compute);
     prefixSum.record(rec, list.triangleOffsets, count + 1);
 
-    rec.dispatchIndirect(emit, list.counts,
-                         scene::withScene(scene, {list.visible, list.counts, list.masks,
-                                                  list.triangleOffsets, list.indices,
-                                                  list.ids.buffer(), list.draws}));
+    rec.dispatchIndirect(
+        emit, list.counts,
+        scene::withScene(scene, {list.visible, list.counts, list.masks, list.triangleOffsets,
+                                 list.indices, list.ids.buffer(), list.draws}));
 }
 
 }  // namespace lodestar::geometry

@@ -15,8 +15,8 @@ struct CullView {
     bool keepBeforeNear = false;  ///< do not cull what lies before the near plane (shadow casters)
 };
 
-/// The triangles of one view, ready to draw: an index and id list in cluster order, and one indirect
-/// draw a bin. Deterministic: the same view gives the same bytes.
+/// The triangles of one view, ready to draw: an index and id list in cluster order, and one
+/// indirect draw a bin. Deterministic: the same view gives the same bytes.
 struct DrawList {
     DrawList(const gpu::Device&, const scene::GpuScene&, const std::string& name);
 

@@ -11,7 +11,7 @@ struct CullClustersParams {
     vec4 planes[5];  // world: inside where dot(plane, (p, 1)) ≥ 0; left, right, bottom, top, near
     vec3 eye;        // world, for normal cones
     uint clusterCount;
-    uint useCones;   // 0 for orthographic views
+    uint useCones;  // 0 for orthographic views
 };
 
 struct CompactParams {
@@ -20,15 +20,15 @@ struct CompactParams {
 
 struct CullTrianglesParams {
     mat4 clipFromWorld;
-    vec2 size;          // of the target, in pixels
+    vec2 size;  // of the target, in pixels
     uint binStarts[5];
 };
 
 /// What the CPU never sees: how much there is to do, and where the bins begin.
 struct VisibleCounts {
-    uint groups[3];      // workgroups for one thread a triangle slot, for indirect dispatch
-    uint clusters;       // visible
-    uint binStarts[5];   // first visible cluster of each draw bin, and the end
+    uint groups[3];     // workgroups for one thread a triangle slot, for indirect dispatch
+    uint clusters;      // visible
+    uint binStarts[5];  // first visible cluster of each draw bin, and the end
 };
 
 #ifndef __cplusplus

@@ -62,9 +62,8 @@ TexelBuffer::TexelBuffer(const Device& device, std::string name, std::uint64_t b
     const std::uint64_t count = storage.bytes() / texelBytes(format);
     const std::uint64_t limit = device.physical().getProperties().limits.maxTexelBufferElements;
     if (count > limit)
-        throw DeviceError(
-            fmt::format("'{}' has {} entries, {} takes {}; use a smaller scene", name, count,
-                        device.description().name, limit));
+        throw DeviceError(fmt::format("'{}' has {} entries, {} takes {}; use a smaller scene", name,
+                                      count, device.description().name, limit));
     texels = vk::raii::BufferView(
         device.vk(),
         vk::BufferViewCreateInfo{.buffer = storage.vk(), .format = format, .range = VK_WHOLE_SIZE});

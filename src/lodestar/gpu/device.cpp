@@ -43,7 +43,8 @@ vk::raii::Instance makeInstance(const vk::raii::Context& context, bool validatio
     if (hasInstanceExtension(context, VK_EXT_DEBUG_UTILS_EXTENSION_NAME))
         extensions.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
 
-    const vk::ApplicationInfo application{.pApplicationName = "lodestar", .apiVersion = kApiVersion};
+    const vk::ApplicationInfo application{.pApplicationName = "lodestar",
+                                          .apiVersion = kApiVersion};
     const std::array enabled{vk::ValidationFeatureEnableEXT::eSynchronizationValidation};
     const vk::ValidationFeaturesEXT features{
         .enabledValidationFeatureCount = static_cast<std::uint32_t>(enabled.size()),
@@ -81,42 +82,40 @@ using FeatureChain =
     vk::StructureChain<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan11Features,
                        vk::PhysicalDeviceVulkan12Features, vk::PhysicalDeviceVulkan13Features>;
 
+/// The parts of a feature chain in which lodestar has needs.
+struct Features {
+    vk::PhysicalDeviceFeatures& core;
+    vk::PhysicalDeviceVulkan12Features& v12;
+    vk::PhysicalDeviceVulkan13Features& v13;
+
+    explicit Features(FeatureChain& chain)
+        : Features(chain.get<vk::PhysicalDeviceFeatures2>().features,
+                   chain.get<vk::PhysicalDeviceVulkan12Features>(),
+                   chain.get<vk::PhysicalDeviceVulkan13Features>()) {}
+    Features(vk::PhysicalDeviceFeatures& f, vk::PhysicalDeviceVulkan12Features& f12,
+             vk::PhysicalDeviceVulkan13Features& f13)
+        : core(f), v12(f12), v13(f13) {}
+};
+
 struct RequiredFeature {
     const char* name;
-    VkBool32& (*field)(FeatureChain&);
+    VkBool32& (*field)(const Features&);
 };
 
 constexpr RequiredFeature kRequiredFeatures[] = {
     {"geometryShader (for gl_PrimitiveID)",
-     [](FeatureChain& f) -> VkBool32& {
-         return f.get<vk::PhysicalDeviceFeatures2>().features.geometryShader;
-     }},
-    {"depthClamp",
-     [](FeatureChain& f) -> VkBool32& {
-         return f.get<vk::PhysicalDeviceFeatures2>().features.depthClamp;
-     }},
-    {"scalarBlockLayout",
-     [](FeatureChain& f) -> VkBool32& {
-         return f.get<vk::PhysicalDeviceVulkan12Features>().scalarBlockLayout;
-     }},
-    {"synchronization2",
-     [](FeatureChain& f) -> VkBool32& {
-         return f.get<vk::PhysicalDeviceVulkan13Features>().synchronization2;
-     }},
-    {"dynamicRendering",
-     [](FeatureChain& f) -> VkBool32& {
-         return f.get<vk::PhysicalDeviceVulkan13Features>().dynamicRendering;
-     }},
-    {"maintenance4",
-     [](FeatureChain& f) -> VkBool32& {
-         return f.get<vk::PhysicalDeviceVulkan13Features>().maintenance4;
-     }},
+     [](const Features& f) -> VkBool32& { return f.core.geometryShader; }},
+    {"depthClamp", [](const Features& f) -> VkBool32& { return f.core.depthClamp; }},
+    {"scalarBlockLayout", [](const Features& f) -> VkBool32& { return f.v12.scalarBlockLayout; }},
+    {"synchronization2", [](const Features& f) -> VkBool32& { return f.v13.synchronization2; }},
+    {"dynamicRendering", [](const Features& f) -> VkBool32& { return f.v13.dynamicRendering; }},
+    {"maintenance4", [](const Features& f) -> VkBool32& { return f.v13.maintenance4; }},
 };
 
 FeatureChain supportedFeatures(const vk::raii::PhysicalDevice& device) {
-    return device.getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan11Features,
-                               vk::PhysicalDeviceVulkan12Features,
-                               vk::PhysicalDeviceVulkan13Features>();
+    return device
+        .getFeatures2<vk::PhysicalDeviceFeatures2, vk::PhysicalDeviceVulkan11Features,
+                      vk::PhysicalDeviceVulkan12Features, vk::PhysicalDeviceVulkan13Features>();
 }
 
 std::string whyUnusable(const vk::raii::PhysicalDevice& device) {
@@ -127,7 +126,8 @@ std::string whyUnusable(const vk::raii::PhysicalDevice& device) {
                            VK_API_VERSION_MINOR(properties.apiVersion));
     for (const char* extension : Device::requiredExtensions())
         if (!hasDeviceExtension(device, extension)) return fmt::format("it lacks {}", extension);
-    FeatureChain features = supportedFeatures(device);
+    FeatureChain chain = supportedFeatures(device);
+    const Features features(chain);
     for (const RequiredFeature& feature : kRequiredFeatures)
         if (!feature.field(features)) return fmt::format("it lacks the feature {}", feature.name);
     if (!queueFamilyOf(device)) return "it has no queue for both graphics and compute";
@@ -135,8 +135,8 @@ std::string whyUnusable(const vk::raii::PhysicalDevice& device) {
 }
 
 DeviceDescription describe(const vk::raii::PhysicalDevice& device, std::uint32_t index) {
-    const auto chain = device.getProperties2<vk::PhysicalDeviceProperties2,
-                                             vk::PhysicalDeviceDriverProperties>();
+    const auto chain =
+        device.getProperties2<vk::PhysicalDeviceProperties2, vk::PhysicalDeviceDriverProperties>();
     const auto& properties = chain.get<vk::PhysicalDeviceProperties2>().properties;
     const auto& driver = chain.get<vk::PhysicalDeviceDriverProperties>();
     return {.index = index,
@@ -163,7 +163,8 @@ struct Choice {
 
 Choice choose(const std::vector<DeviceDescription>& devices, const std::string& request) {
     std::string list;
-    for (const auto& d : devices) list += fmt::format("{}{}: {}", list.empty() ? "" : ", ", d.index, d.name);
+    for (const auto& d : devices)
+        list += fmt::format("{}{}: {}", list.empty() ? "" : ", ", d.index, d.name);
     if (devices.empty())
         throw DeviceError(
             "the Vulkan drivers installed report no device; install one that fits this machine (on "
@@ -199,6 +200,13 @@ Choice choose(const std::vector<DeviceDescription>& devices, const std::string& 
 
 std::vector<const char*> Device::requiredExtensions() {
     return {VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME};
+}
+
+void Device::enableRequiredFeatures(vk::PhysicalDeviceFeatures& core,
+                                    vk::PhysicalDeviceVulkan12Features& v12,
+                                    vk::PhysicalDeviceVulkan13Features& v13) {
+    const Features features(core, v12, v13);
+    for (const RequiredFeature& feature : kRequiredFeatures) feature.field(features) = VK_TRUE;
 }
 
 std::vector<DeviceDescription> Device::enumerate() {
@@ -261,7 +269,9 @@ Device::~Device() {
 void Device::open(std::uint32_t) {
     FeatureChain supported = supportedFeatures(*physicalDevice);
     FeatureChain enabled;
-    for (const RequiredFeature& feature : kRequiredFeatures) feature.field(enabled) = VK_TRUE;
+    enableRequiredFeatures(enabled.get<vk::PhysicalDeviceFeatures2>().features,
+                           enabled.get<vk::PhysicalDeviceVulkan12Features>(),
+                           enabled.get<vk::PhysicalDeviceVulkan13Features>());
     enabled.get<vk::PhysicalDeviceFeatures2>().features.samplerAnisotropy =
         supported.get<vk::PhysicalDeviceFeatures2>().features.samplerAnisotropy;
 
@@ -269,13 +279,13 @@ void Device::open(std::uint32_t) {
     const vk::DeviceQueueCreateInfo queueInfo{
         .queueFamilyIndex = family, .queueCount = 1, .pQueuePriorities = &priority};
     const auto extensions = requiredExtensions();
-    device.emplace(*physicalDevice,
-                   vk::DeviceCreateInfo{
-                       .pNext = &enabled.get<vk::PhysicalDeviceFeatures2>(),
-                       .queueCreateInfoCount = 1,
-                       .pQueueCreateInfos = &queueInfo,
-                       .enabledExtensionCount = static_cast<std::uint32_t>(extensions.size()),
-                       .ppEnabledExtensionNames = extensions.data()});
+    device.emplace(
+        *physicalDevice,
+        vk::DeviceCreateInfo{.pNext = &enabled.get<vk::PhysicalDeviceFeatures2>(),
+                             .queueCreateInfoCount = 1,
+                             .pQueueCreateInfos = &queueInfo,
+                             .enabledExtensionCount = static_cast<std::uint32_t>(extensions.size()),
+                             .ppEnabledExtensionNames = extensions.data()});
     queueHandle = *device->getQueue(family, 0);
 }
 
@@ -318,7 +328,8 @@ vk::raii::DeviceMemory Device::allocate(const vk::MemoryRequirements& requiremen
         if (!(requirements.memoryTypeBits & (1u << i))) continue;
         if ((memoryProperties.memoryTypes[i].propertyFlags & flags) != flags) continue;
         vk::raii::DeviceMemory memory(
-            *device, vk::MemoryAllocateInfo{.allocationSize = requirements.size, .memoryTypeIndex = i});
+            *device,
+            vk::MemoryAllocateInfo{.allocationSize = requirements.size, .memoryTypeIndex = i});
         ledger[*memory] = {name, requirements.size};
         bytesNow += requirements.size;
         bytesPeak = std::max(bytesPeak, bytesNow);

@@ -44,7 +44,8 @@ struct OptionalFeature {
 };
 
 /// A device that the host program made and keeps: Vulkan 1.3 with the extensions and features of
-/// Device::requiredExtensions / enableRequiredFeatures enabled. lodestar never destroys it.
+/// Device::requiredExtensions and Device::enableRequiredFeatures enabled. lodestar never destroys
+/// it.
 struct HostDevice {
     VkInstance instance = VK_NULL_HANDLE;
     VkPhysicalDevice physicalDevice = VK_NULL_HANDLE;
@@ -72,6 +73,10 @@ public:
     /// All devices of the machine, in the loader's order, with the verdict on each.
     static std::vector<DeviceDescription> enumerate();
     static std::vector<const char*> requiredExtensions();
+    /// Adds the features lodestar needs to those a host enables on its own device.
+    static void enableRequiredFeatures(vk::PhysicalDeviceFeatures&,
+                                       vk::PhysicalDeviceVulkan12Features&,
+                                       vk::PhysicalDeviceVulkan13Features&);
 
     const vk::raii::Device& vk() const { return *device; }
     const vk::raii::PhysicalDevice& physical() const { return *physicalDevice; }

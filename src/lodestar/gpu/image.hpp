@@ -14,6 +14,7 @@ struct View {
     vk::Format format = vk::Format::eUndefined;
     vk::Extent2D extent;  ///< of level 0 of the view
     std::uint32_t layers = 1, levels = 1;
+    std::uint32_t firstLevel = 0;  ///< of the image, where the view's level 0 lies
 };
 
 struct ImageInfo {

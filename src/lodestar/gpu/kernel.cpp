@@ -8,11 +8,16 @@ namespace {
 
 vk::DescriptorType descriptorType(Slot slot) {
     switch (slot) {
-        case Slot::storageBuffer: return vk::DescriptorType::eStorageBuffer;
-        case Slot::uniformBuffer: return vk::DescriptorType::eUniformBuffer;
-        case Slot::texelBuffer: return vk::DescriptorType::eUniformTexelBuffer;
-        case Slot::storageImage: return vk::DescriptorType::eStorageImage;
-        case Slot::sampledImage: return vk::DescriptorType::eCombinedImageSampler;
+        case Slot::storageBuffer:
+            return vk::DescriptorType::eStorageBuffer;
+        case Slot::uniformBuffer:
+            return vk::DescriptorType::eUniformBuffer;
+        case Slot::texelBuffer:
+            return vk::DescriptorType::eUniformTexelBuffer;
+        case Slot::storageImage:
+            return vk::DescriptorType::eStorageImage;
+        case Slot::sampledImage:
+            return vk::DescriptorType::eCombinedImageSampler;
     }
     throw std::invalid_argument("Slot");
 }
@@ -50,11 +55,10 @@ PipelineLayout::PipelineLayout(const Device& device, const std::vector<SlotArray
     const vk::PushConstantRange range{.stageFlags = stages, .size = bytes};
     const vk::DescriptorSetLayout setHandle = *set;
     layout = vk::raii::PipelineLayout(
-        device.vk(),
-        vk::PipelineLayoutCreateInfo{.setLayoutCount = 1,
-                                     .pSetLayouts = &setHandle,
-                                     .pushConstantRangeCount = bytes > 0 ? 1u : 0u,
-                                     .pPushConstantRanges = &range});
+        device.vk(), vk::PipelineLayoutCreateInfo{.setLayoutCount = 1,
+                                                  .pSetLayouts = &setHandle,
+                                                  .pushConstantRangeCount = bytes > 0 ? 1u : 0u,
+                                                  .pPushConstantRanges = &range});
     device.name(set, name);
     device.name(layout, name);
 }
@@ -66,8 +70,8 @@ void PipelineLayout::push(const vk::raii::CommandBuffer& commands, vk::PipelineB
         throw std::invalid_argument(
             fmt::format("{}: {} bindings for {} slots", name, bindings.size(), slots.size()));
     if (constants.size() != pushBytes)
-        throw std::invalid_argument(fmt::format("{}: {} B of push constants, not {}", name,
-                                                constants.size(), pushBytes));
+        throw std::invalid_argument(
+            fmt::format("{}: {} B of push constants, not {}", name, constants.size(), pushBytes));
     std::vector<vk::WriteDescriptorSet> writes;
     std::vector<std::vector<vk::DescriptorImageInfo>> images(bindings.size());
     for (std::uint32_t i = 0; i < bindings.size(); ++i) {
@@ -100,7 +104,8 @@ SpecializationInfo::SpecializationInfo(const Specialization& constants) : values
 vk::raii::ShaderModule makeShader(const Device& device, std::span<const std::uint32_t> spirv,
                                   const std::string& name) {
     vk::raii::ShaderModule module(
-        device.vk(), vk::ShaderModuleCreateInfo{.codeSize = spirv.size_bytes(), .pCode = spirv.data()});
+        device.vk(),
+        vk::ShaderModuleCreateInfo{.codeSize = spirv.size_bytes(), .pCode = spirv.data()});
     device.name(module, name);
     return module;
 }

@@ -45,8 +45,8 @@ struct PipelineLayout {
                    vk::ShaderStageFlags, const std::string& name);
 
     /// Throws std::invalid_argument when the number of bindings is not that of the slots.
-    void push(const vk::raii::CommandBuffer&, vk::PipelineBindPoint,
-              const std::vector<Binding>&, std::span<const std::byte> constants) const;
+    void push(const vk::raii::CommandBuffer&, vk::PipelineBindPoint, const std::vector<Binding>&,
+              std::span<const std::byte> constants) const;
 
     std::string name;
     std::vector<SlotArray> slots;

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <lodestar/gpu/prefix_sum.hpp>
 #include <lodestar/gpu/prefix_sum_params.h>
+#include <lodestar/gpu/prefix_sum.hpp>
 
 namespace lodestar::gpu {
 namespace {

@@ -31,16 +31,16 @@ RasterPipeline::RasterPipeline(const Device& device, const RasterInfo& info)
         .cullMode = info.cull,
         .frontFace = vk::FrontFace::eCounterClockwise,
         .lineWidth = 1};
-    const vk::PipelineMultisampleStateCreateInfo multisample{
-        .rasterizationSamples = vk::SampleCountFlagBits::e1};
+    const vk::PipelineMultisampleStateCreateInfo multisample{.rasterizationSamples =
+                                                                 vk::SampleCountFlagBits::e1};
     const vk::PipelineDepthStencilStateCreateInfo depthStencil{
         .depthTestEnable = true,
         .depthWriteEnable = true,
         .depthCompareOp = vk::CompareOp::eGreater};
     using Component = vk::ColorComponentFlagBits;
     const std::vector<vk::PipelineColorBlendAttachmentState> attachments(
-        info.colors.size(), {.colorWriteMask = Component::eR | Component::eG | Component::eB |
-                                               Component::eA});
+        info.colors.size(),
+        {.colorWriteMask = Component::eR | Component::eG | Component::eB | Component::eA});
     const vk::PipelineColorBlendStateCreateInfo blend{
         .attachmentCount = static_cast<std::uint32_t>(attachments.size()),
         .pAttachments = attachments.data()};

@@ -21,14 +21,16 @@ void between(const vk::raii::CommandBuffer& commands, const vk::MemoryBarrier2& 
     commands.pipelineBarrier2({.memoryBarrierCount = 1, .pMemoryBarriers = &barrier});
 }
 
-vk::BufferImageCopy copyOf(const View& view, std::uint32_t level, std::uint32_t layers) {
-    return {.imageSubresource = {.aspectMask = isDepth(view.format)
-                                                   ? vk::ImageAspectFlagBits::eDepth
-                                                   : vk::ImageAspectFlagBits::eColor,
-                                 .mipLevel = level,
-                                 .layerCount = layers},
-            .imageExtent = {std::max(1u, view.extent.width >> level),
-                            std::max(1u, view.extent.height >> level), 1}};
+vk::BufferImageCopy copyOf(const View& view, std::uint32_t level, std::uint32_t layer,
+                           std::uint32_t layers) {
+    return {
+        .imageSubresource = {.aspectMask = isDepth(view.format) ? vk::ImageAspectFlagBits::eDepth
+                                                                : vk::ImageAspectFlagBits::eColor,
+                             .mipLevel = view.firstLevel + level,
+                             .baseArrayLayer = layer,
+                             .layerCount = layers},
+        .imageExtent = {std::max(1u, view.extent.width >> level),
+                        std::max(1u, view.extent.height >> level), 1}};
 }
 
 std::vector<std::byte> copyOut(const Buffer& staging, std::uint64_t bytes) {
@@ -38,14 +40,13 @@ std::vector<std::byte> copyOut(const Buffer& staging, std::uint64_t bytes) {
 
 }  // namespace
 
-std::vector<std::byte> readImage(const Device& device, const View& view) {
-    const std::uint64_t bytes =
-        texelBytes(view.format) * view.extent.width * view.extent.height;
+std::vector<std::byte> readImage(const Device& device, const View& view, std::uint32_t layer) {
+    const std::uint64_t bytes = texelBytes(view.format) * view.extent.width * view.extent.height;
     const Buffer staging(device, "read-back", bytes, Residence::mapped);
     device.runNow([&](const vk::raii::CommandBuffer& commands) {
         between(commands, kAllToTransfer);
         commands.copyImageToBuffer(view.image, vk::ImageLayout::eGeneral, staging.vk(),
-                                   copyOf(view, 0, 1));
+                                   copyOf(view, 0, layer, 1));
         between(commands, kTransferToAll);
     });
     return copyOut(staging, bytes);
@@ -68,7 +69,7 @@ void uploadImage(const Device& device, const View& view, std::uint32_t level,
     device.runNow([&](const vk::raii::CommandBuffer& commands) {
         between(commands, kAllToTransfer);
         commands.copyBufferToImage(staging.vk(), view.image, vk::ImageLayout::eGeneral,
-                                   copyOf(view, level, view.layers));
+                                   copyOf(view, level, 0, view.layers));
         between(commands, kTransferToAll);
     });
 }

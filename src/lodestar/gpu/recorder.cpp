@@ -26,10 +26,12 @@ StageAccess accessOf(Stage stage) {
                         A::eUniformRead | A::eDepthStencilAttachmentRead | A::eColorAttachmentRead |
                         A::eDepthStencilAttachmentWrite | A::eColorAttachmentWrite,
                     A::eDepthStencilAttachmentWrite | A::eColorAttachmentWrite};
-        case Stage::indirect: return {S::eDrawIndirect, A::eIndirectCommandRead, {}};
+        case Stage::indirect:
+            return {S::eDrawIndirect, A::eIndirectCommandRead, {}};
         case Stage::transfer:
             return {S::eAllTransfer, A::eTransferRead | A::eTransferWrite, A::eTransferWrite};
-        case Stage::host: return {S::eHost, A::eHostRead, A::eHostWrite};
+        case Stage::host:
+            return {S::eHost, A::eHostRead, A::eHostWrite};
     }
     throw std::invalid_argument("Stage");
 }
@@ -43,13 +45,13 @@ Recorder::Recorder(const Device& device)
                                      .queueFamilyIndex = device.queueFamily()}),
       fence(device.vk(), vk::FenceCreateInfo{}),
       flushesLate(device.description().type == "Cpu") {
-    vk::raii::CommandBuffers buffers(device.vk(), {.commandPool = *pool,
-                                                   .level = vk::CommandBufferLevel::ePrimary,
-                                                   .commandBufferCount = 1});
+    vk::raii::CommandBuffers buffers(
+        device.vk(),
+        {.commandPool = *pool, .level = vk::CommandBufferLevel::ePrimary, .commandBufferCount = 1});
     commands = std::move(buffers.front());
     if (device.timestampMs() > 0)
-        queries = vk::raii::QueryPool(device.vk(), {.queryType = vk::QueryType::eTimestamp,
-                                                    .queryCount = 2 * kMaxPasses});
+        queries = vk::raii::QueryPool(
+            device.vk(), {.queryType = vk::QueryType::eTimestamp, .queryCount = 2 * kMaxPasses});
 }
 
 void Recorder::begin() {
@@ -73,7 +75,8 @@ void Recorder::timestamp() {
 }
 
 Recorder::Pass Recorder::pass(const std::string& name) {
-    if (passOpen) throw std::invalid_argument("Recorder::pass: '" + name + "' opened inside a pass");
+    if (passOpen)
+        throw std::invalid_argument("Recorder::pass: '" + name + "' opened inside a pass");
     if (names.size() == kMaxPasses) throw std::invalid_argument("Recorder::pass: over 128 passes");
     passOpen = true;
     names.push_back(name);
@@ -82,7 +85,9 @@ Recorder::Pass Recorder::pass(const std::string& name) {
     return Pass(*this);
 }
 
-Recorder::Pass::~Pass() { recorder->endPass(); }
+Recorder::Pass::~Pass() {
+    recorder->endPass();
+}
 
 void Recorder::endPass() {
     timestamp();
@@ -92,11 +97,10 @@ void Recorder::endPass() {
 
 void Recorder::barrier(Stage from, Stage to) {
     const StageAccess source = accessOf(from), destination = accessOf(to);
-    const vk::MemoryBarrier2 memory{
-        .srcStageMask = source.stages,
-        .srcAccessMask = source.writes,
-        .dstStageMask = destination.stages,
-        .dstAccessMask = destination.reads | destination.writes};
+    const vk::MemoryBarrier2 memory{.srcStageMask = source.stages,
+                                    .srcAccessMask = source.writes,
+                                    .dstStageMask = destination.stages,
+                                    .dstAccessMask = destination.reads | destination.writes};
     commands.pipelineBarrier2({.memoryBarrierCount = 1, .pMemoryBarriers = &memory});
 }
 
@@ -129,7 +133,9 @@ void Recorder::beginRendering(const Target& target) {
     commands.setScissor(0, vk::Rect2D{.extent = extent});
 }
 
-void Recorder::endRendering() { commands.endRendering(); }
+void Recorder::endRendering() {
+    commands.endRendering();
+}
 
 void Recorder::drawBytes(const RasterPipeline& pipeline, const Buffer& indices,
                          const Buffer& indirect, std::uint64_t offset,
@@ -159,8 +165,8 @@ FrameTimes Recorder::submit() {
     owner->vk().resetFences(*fence);
 
     FrameTimes times;
-    times.wallMs = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() -
-                                                             start).count();
+    times.wallMs =
+        std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
     times.gpuMs = times.wallMs;
     if (*queries && queryCount > 0) {
         const auto [result, ticks] = queries.getResults<std::uint64_t>(

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <lodestar/post/tonemap.hpp>
 #include <lodestar/post/tonemap_params.h>
+#include <lodestar/post/tonemap.hpp>
 
 namespace lodestar::post {
 namespace {

@@ -30,8 +30,8 @@ Camera frame(const Bounds&, float aspect);
 /// through `pivot`.
 Camera orbited(const Camera&, glm::vec3 pivot, float angle);
 
-/// `camera` moved towards `camera.at` by `fraction` of the distance; negative moves away. A fraction
-/// of 1 or more throws std::invalid_argument.
+/// `camera` moved towards `camera.at` by `fraction` of the distance; negative moves away. A
+/// fraction of 1 or more throws std::invalid_argument.
 Camera dollied(const Camera&, float fraction);
 
 /// The view of one of the scene's cameras. `sceneRadius` gives the distance of `at`.

@@ -4,10 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include <lodestar/shared/octahedral.h>
 #include <lodestar/gpu/readback.hpp>
 #include <lodestar/scene/meshlets.hpp>
 #include <lodestar/scene/texture_arrays.hpp>
-#include <lodestar/shared/octahedral.h>
 
 namespace lodestar::scene {
 
@@ -15,8 +15,8 @@ using shared::GpuCluster;
 using shared::GpuInstance;
 using shared::GpuLight;
 using shared::GpuMaterial;
-using shared::GpuMeshlet;
 using shared::GpuMaterialRecord;
+using shared::GpuMeshlet;
 using shared::GpuTextureTransform;
 using shared::GpuTriangle;
 using shared::GpuVertex;
@@ -55,8 +55,7 @@ std::uint32_t packUse(const TextureUse& use, const Scene& scene, const TextureAr
                                   (texture.nearest ? shared::LS_READ_NEAREST : 0) |
                                   (use.uvSet == 1 ? shared::LS_READ_UV1 : 0) |
                                   (transformed ? shared::LS_READ_TRANSFORMED : 0);
-    return slot.array | slot.layer << shared::LS_LAYER_SHIFT |
-           reading << shared::LS_READING_SHIFT;
+    return slot.array | slot.layer << shared::LS_LAYER_SHIFT | reading << shared::LS_READING_SHIFT;
 }
 
 GpuTextureTransform packTransform(const TextureUse& use) {
@@ -67,26 +66,25 @@ GpuTextureTransform packTransform(const TextureUse& use) {
 GpuMaterialRecord pack(const Material& m, const Scene& scene, const TextureArrays& arrays) {
     // Blended surfaces are drawn as masked ones at 0.5 until there is a pass for them.
     const bool masked = m.alphaMode != AlphaMode::opaque;
-    return {.material = {.baseColor = m.baseColor,
-                         .emissive = m.emissive,
-                         .flags = (masked ? shared::LS_MATERIAL_MASK : 0) |
-                                  (m.doubleSided ? shared::LS_MATERIAL_DOUBLE_SIDED : 0) |
-                                  (m.unlit ? shared::LS_MATERIAL_UNLIT : 0),
-                         .metallic = m.metallic,
-                         .roughness = m.roughness,
-                         .normalScale = m.normalScale,
-                         .occlusionStrength = m.occlusionStrength,
-                         .baseColorTexture = packUse(m.baseColorTexture, scene, arrays),
-                         .normalTexture = packUse(m.normalTexture, scene, arrays),
-                         .metallicRoughnessTexture =
-                             packUse(m.metallicRoughnessTexture, scene, arrays),
-                         .occlusionTexture = packUse(m.occlusionTexture, scene, arrays),
-                         .emissiveTexture = packUse(m.emissiveTexture, scene, arrays),
-                         .alphaCutoff =
-                             m.alphaMode == AlphaMode::blend ? 0.5f : m.alphaCutoff},
-            .transforms = {packTransform(m.baseColorTexture), packTransform(m.normalTexture),
-                           packTransform(m.metallicRoughnessTexture),
-                           packTransform(m.occlusionTexture), packTransform(m.emissiveTexture)}};
+    return {
+        .material = {.baseColor = m.baseColor,
+                     .emissive = m.emissive,
+                     .flags = (masked ? shared::LS_MATERIAL_MASK : 0) |
+                              (m.doubleSided ? shared::LS_MATERIAL_DOUBLE_SIDED : 0) |
+                              (m.unlit ? shared::LS_MATERIAL_UNLIT : 0),
+                     .metallic = m.metallic,
+                     .roughness = m.roughness,
+                     .normalScale = m.normalScale,
+                     .occlusionStrength = m.occlusionStrength,
+                     .baseColorTexture = packUse(m.baseColorTexture, scene, arrays),
+                     .normalTexture = packUse(m.normalTexture, scene, arrays),
+                     .metallicRoughnessTexture = packUse(m.metallicRoughnessTexture, scene, arrays),
+                     .occlusionTexture = packUse(m.occlusionTexture, scene, arrays),
+                     .emissiveTexture = packUse(m.emissiveTexture, scene, arrays),
+                     .alphaCutoff = m.alphaMode == AlphaMode::blend ? 0.5f : m.alphaCutoff},
+        .transforms = {packTransform(m.baseColorTexture), packTransform(m.normalTexture),
+                       packTransform(m.metallicRoughnessTexture), packTransform(m.occlusionTexture),
+                       packTransform(m.emissiveTexture)}};
 }
 
 SceneFeatures featuresOf(const std::vector<GpuMaterialRecord>& materials) {
@@ -123,20 +121,20 @@ DrawBin binOf(const Material& material) {
 
 gpu::Image uploadTextures(const gpu::Device& device, const TextureArray& array, std::size_t index) {
     using Usage = vk::ImageUsageFlagBits;
-    gpu::Image image(
-        device,
-        {.name = "textures " + std::to_string(index),
-         .format = array.space == ColorSpace::srgb ? vk::Format::eR8G8B8A8Srgb
-                                                   : vk::Format::eR8G8B8A8Unorm,
-         .extent = {static_cast<std::uint32_t>(array.width), static_cast<std::uint32_t>(array.height)},
-         .usage = Usage::eSampled | Usage::eTransferDst,
-         .layers = array.layers,
-         .levels = array.mipLevels,
-         .array = true});
+    gpu::Image image(device,
+                     {.name = "textures " + std::to_string(index),
+                      .format = array.space == ColorSpace::srgb ? vk::Format::eR8G8B8A8Srgb
+                                                                : vk::Format::eR8G8B8A8Unorm,
+                      .extent = {static_cast<std::uint32_t>(array.width),
+                                 static_cast<std::uint32_t>(array.height)},
+                      .usage = Usage::eSampled | Usage::eTransferDst,
+                      .layers = array.layers,
+                      .levels = array.mipLevels,
+                      .array = true});
     for (std::uint32_t level = 0; level < array.mipLevels; ++level) {
         const std::size_t begin = array.levelOffset(level);
-        const std::size_t end = level + 1 < array.mipLevels ? array.levelOffset(level + 1)
-                                                            : array.texels.size();
+        const std::size_t end =
+            level + 1 < array.mipLevels ? array.levelOffset(level + 1) : array.texels.size();
         gpu::uploadImage(device, image, level,
                          std::as_bytes(std::span(array.texels).subspan(begin, end - begin)));
     }
@@ -164,6 +162,10 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene,
                       {v.uv0, shared::packTangent(v.tangent), glm::packUnorm4x8(v.color)});
                   packed.secondUvs.push_back(v.uv1);
               }
+              // A double-sided meshlet that faces away is seen from behind.
+              const auto coneCutoff = [&](const Meshlet& m) {
+                  return scene.materials[mesh.material].doubleSided ? 1.0f : m.coneCutoff;
+              };
               const MeshletSet set = buildMeshlets(mesh);
               for (const Meshlet& m : set.meshlets) {
                   clusterOf.push_back(
@@ -172,10 +174,7 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene,
                        .vertices = static_cast<std::uint32_t>(packed.meshletVertices.size()),
                        .material = mesh.material,
                        .triangleCount = m.triangleCount});
-                  // A double-sided surface is seen from behind too: no cone culls it.
-                  const bool doubleSided = scene.materials[mesh.material].doubleSided;
-                  packed.meshlets.push_back(
-                      {m.centre, m.radius, m.coneAxis, doubleSided ? 1 : m.coneCutoff});
+                  packed.meshlets.push_back({m.centre, m.radius, m.coneAxis, coneCutoff(m)});
                   const std::uint32_t* local = &set.vertices[m.vertexOffset];
                   for (std::uint32_t i = 0; i < m.vertexCount; ++i)
                       packed.meshletVertices.push_back(firstVertex + local[i]);
@@ -225,8 +224,8 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene, Packed&& packe
       instances(device, "instances", scene.instances.size() * sizeof(GpuInstance), kWords),
       clusters(gpu::makeTexelBuffer(device, "clusters", packed.clusters, kWords)),
       materials(gpu::makeTexelBuffer(device, "materials", packed.materials, kWords)),
-      secondUvs(gpu::makeTexelBuffer(device, "second uvs", packed.secondUvs,
-                                     vk::Format::eR32G32Sfloat)),
+      secondUvs(
+          gpu::makeTexelBuffer(device, "second uvs", packed.secondUvs, vk::Format::eR32G32Sfloat)),
       lights(device, "lights", scene.lights.size() * sizeof(GpuLight)),
       source(&scene),
       sceneFeatures(packed.features),
@@ -236,8 +235,8 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene, Packed&& packe
     for (std::size_t i = 0; i < packed.textures.arrays.size(); ++i)
         textureArrays.push_back(uploadTextures(device, packed.textures.arrays[i], i));
     if (textureArrays.empty()) {
-        const TextureArray white{.width = 1, .height = 1, .layers = 1, .mipLevels = 1,
-                                 .texels = {255, 255, 255, 255}};
+        const TextureArray white{
+            .width = 1, .height = 1, .layers = 1, .mipLevels = 1, .texels = {255, 255, 255, 255}};
         textureArrays.push_back(uploadTextures(device, white, 0));
     }
     animate(0);
@@ -273,7 +272,8 @@ std::vector<GpuInstance> GpuScene::packInstances() const {
             longest - shortest <= 1e-3f * longest && shear <= 1e-3f * longest * longest;
         // The largest singular value is at most the Frobenius norm, and the longest axis when the
         // axes are orthogonal.
-        const float bound = shear <= 1e-3f * longest * longest ? longest * 1.01f : glm::length(scale);
+        const float bound =
+            shear <= 1e-3f * longest * longest ? longest * 1.01f : glm::length(scale);
         packed.push_back(
             {.row0 = rows[0],
              .row1 = rows[1],

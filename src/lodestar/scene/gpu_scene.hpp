@@ -5,9 +5,9 @@
 #include <functional>
 #include <memory>
 
+#include <lodestar/scene/gpu_types.h>
 #include <lodestar/gpu/buffer.hpp>
 #include <lodestar/gpu/image.hpp>
-#include <lodestar/scene/gpu_types.h>
 #include <lodestar/scene/scene.hpp>
 
 namespace lodestar::scene {
@@ -24,7 +24,7 @@ struct SceneFeatures {
                   occlusionArrays = 0, emissiveArrays = 0;
     bool occlusionShared = false;  ///< occlusion is always r of the metallic-roughness texture
     bool emissive = false;
-    bool uvTransforms = false;     ///< or a second UV set, wrap modes but repeat, nearest filtering
+    bool uvTransforms = false;  ///< or a second UV set, wrap modes but repeat, nearest filtering
     bool secondUvs = false;
     bool unlit = false;
     bool punctualLights = false;
@@ -50,15 +50,18 @@ public:
     /// this stays.
     std::uint64_t version() const { return changes; }
 
-    std::uint32_t clusterCount() const { return clustersUsed; }     ///< including the unused cluster 0
-    std::uint32_t triangleCount() const { return trianglesDrawn; }   ///< of all clusters
-    std::uint32_t instanceCount() const { return static_cast<std::uint32_t>(source->instances.size()); }
+    std::uint32_t clusterCount() const { return clustersUsed; }  ///< including the unused cluster 0
+    std::uint32_t triangleCount() const { return trianglesDrawn; }  ///< of all clusters
+    std::uint32_t instanceCount() const {
+        return static_cast<std::uint32_t>(source->instances.size());
+    }
     /// First cluster of each bin; the last entry is clusterCount().
     const std::array<std::uint32_t, kDrawBins + 1>& binStarts() const { return bins; }
     std::uint32_t lightCount() const { return lightsUsed; }
 
-    gpu::TexelBuffer vertices, attributes, triangles, meshletVertices, meshlets, instances, clusters,
-        materials;      ///< the records of gpu_types.h
+    gpu::TexelBuffer vertices, attributes, triangles, meshletVertices, meshlets, instances,
+        clusters,
+        materials;               ///< the records of gpu_types.h
     gpu::TexelBuffer secondUvs;  ///< vec2 a vertex; a dummy where no material uses them
     gpu::Buffer lights;
     std::vector<gpu::Image> textureArrays;  ///< at least one, so that bindings are never empty

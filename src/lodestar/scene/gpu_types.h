@@ -100,11 +100,11 @@ struct GpuTextureTransform {
 };
 
 struct GpuLight {
-    vec3 position;  // world
-    float range;    // 0 = no limit
-    vec3 color;     // linear, intensity multiplied in [cd]
-    uint kind;      // 1 point, 2 spot
-    vec3 direction; // the way it shines, world
+    vec3 position;                // world
+    float range;                  // 0 = no limit
+    vec3 color;                   // linear, intensity multiplied in [cd]
+    uint kind;                    // 1 point, 2 spot
+    vec3 direction;               // the way it shines, world
     float coneScale, coneOffset;  // spot: clamp(cos·scale + offset, 0, 1)²
 };
 

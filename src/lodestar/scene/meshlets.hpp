@@ -13,7 +13,8 @@ namespace lodestar::scene {
 inline constexpr std::uint32_t kMeshletVertices = 64;
 inline constexpr std::uint32_t kMeshletTriangles = 124;
 
-/// A patch of a mesh: at most 64 vertices and 124 triangles, with bounds for culling (object space).
+/// A patch of a mesh: at most 64 vertices and 124 triangles, with bounds for culling (object
+/// space).
 struct Meshlet {
     std::uint32_t vertexOffset = 0;    ///< first entry in MeshletSet::vertices
     std::uint32_t triangleOffset = 0;  ///< first entry in MeshletSet::triangles

@@ -31,19 +31,20 @@ struct Bounds {
 
 struct Vertex {
     glm::vec3 position{0};
-    glm::vec3 normal{0, 0, 1};         ///< unit length
-    glm::vec4 tangent{1, 0, 0, 1};     ///< unit length; w = ±1, bitangent = w · cross(normal, tangent)
-    glm::vec2 uv0{0}, uv1{0};          ///< glTF convention: (0, 0) is the image's top left
-    glm::vec4 color{1};                ///< linear, multiplies the base colour
+    glm::vec3 normal{0, 0, 1};      ///< unit length
+    glm::vec4 tangent{1, 0, 0, 1};  ///< unit length; w = ±1, bitangent = w · cross(normal, tangent)
+    glm::vec2 uv0{0}, uv1{0};       ///< glTF convention: (0, 0) is the image's top left
+    glm::vec4 color{1};             ///< linear, multiplies the base colour
 };
 
 /// One triangle list with one material (a glTF primitive).
 struct Mesh {
     std::string name;
     std::vector<Vertex> vertices;
-    std::vector<std::uint32_t> indices;  ///< three a triangle, counter-clockwise seen from the front
-    std::uint32_t material = 0;          ///< always valid: the importer adds a default material
-    Bounds bounds;                       ///< of the vertices in use, object space
+    std::vector<std::uint32_t>
+        indices;                 ///< three a triangle, counter-clockwise seen from the front
+    std::uint32_t material = 0;  ///< always valid: the importer adds a default material
+    Bounds bounds;               ///< of the vertices in use, object space
 };
 
 /// 8-bit RGBA, rows from the top.
@@ -67,29 +68,29 @@ struct Texture {
 /// A material's use of a texture. `texture` is kNone where there is none.
 struct TextureUse {
     std::uint32_t texture = kNone;
-    std::uint32_t uvSet = 0;                     ///< 0 or 1
-    glm::mat3x2 transform{1, 0, 0, 1, 0, 0};     ///< texture uv = transform · (u, v, 1)
+    std::uint32_t uvSet = 0;                  ///< 0 or 1
+    glm::mat3x2 transform{1, 0, 0, 1, 0, 0};  ///< texture uv = transform · (u, v, 1)
 };
 
 enum class AlphaMode { opaque, mask, blend };
 
 struct Material {
     std::string name;
-    glm::vec4 baseColor{1};     ///< linear
+    glm::vec4 baseColor{1};  ///< linear
     float metallic = 1;
     float roughness = 1;
-    glm::vec3 emissive{0};      ///< linear, KHR_materials_emissive_strength multiplied in
+    glm::vec3 emissive{0};  ///< linear, KHR_materials_emissive_strength multiplied in
     float normalScale = 1;
     float occlusionStrength = 1;
     AlphaMode alphaMode = AlphaMode::opaque;
     float alphaCutoff = 0.5f;
     bool doubleSided = false;
     bool unlit = false;
-    TextureUse baseColorTexture;           ///< sRGB, alpha linear
-    TextureUse normalTexture;              ///< tangent space
-    TextureUse metallicRoughnessTexture;   ///< g = roughness, b = metallic
-    TextureUse occlusionTexture;           ///< r
-    TextureUse emissiveTexture;            ///< sRGB
+    TextureUse baseColorTexture;          ///< sRGB, alpha linear
+    TextureUse normalTexture;             ///< tangent space
+    TextureUse metallicRoughnessTexture;  ///< g = roughness, b = metallic
+    TextureUse occlusionTexture;          ///< r
+    TextureUse emissiveTexture;           ///< sRGB
 };
 
 /// A local transform: either translation/rotation/scale (which animation can move) or a matrix.
@@ -116,17 +117,17 @@ struct Light {
     std::string name;
     LightKind kind = LightKind::directional;
     std::uint32_t node = 0;
-    glm::vec3 color{1};       ///< linear
-    float intensity = 1;      ///< lux for directional, candela for the others
-    float range = 0;          ///< scene units; 0 = no limit
+    glm::vec3 color{1};                             ///< linear
+    float intensity = 1;                            ///< lux for directional, candela for the others
+    float range = 0;                                ///< scene units; 0 = no limit
     float innerCone = 0, outerCone = 0.785398163f;  ///< radians
 };
 
 struct SceneCamera {
     std::string name;
-    std::uint32_t node = 0;       ///< looks along the node's −z
-    float verticalFov = 0.8f;     ///< radians; orthographic cameras become a perspective one
-    float nearPlane = 0.01f;      ///< scene units
+    std::uint32_t node = 0;    ///< looks along the node's −z
+    float verticalFov = 0.8f;  ///< radians; orthographic cameras become a perspective one
+    float nearPlane = 0.01f;   ///< scene units
 };
 
 enum class AnimationPath { translation, rotation, scale };
@@ -136,9 +137,9 @@ struct AnimationChannel {
     std::uint32_t node = 0;
     AnimationPath path = AnimationPath::translation;
     Interpolation interpolation = Interpolation::linear;
-    std::vector<float> times;        ///< seconds, strictly increasing
-    std::vector<glm::vec4> values;   ///< one a time, three (in-tangent, value, out-tangent) for cubicSpline;
-                                     ///< quaternions as x, y, z, w
+    std::vector<float> times;       ///< seconds, strictly increasing
+    std::vector<glm::vec4> values;  ///< one a time, three (in-tangent, value, out-tangent) for
+                                    ///< cubicSpline; quaternions as x, y, z, w
 };
 
 struct Animation {

@@ -8,8 +8,8 @@
 
 namespace lodestar::scene {
 
-/// At most this many 2D arrays, since shaders choose among them by a switch (the driver floor has no
-/// descriptor indexing).
+/// At most this many 2D arrays, since shaders choose among them by a switch (the driver floor has
+/// no descriptor indexing).
 inline constexpr std::uint32_t kMaxTextureArrays = 8;
 
 /// All textures of one size and colour encoding, as layers of one 2D array with a full mip chain.
@@ -28,19 +28,19 @@ struct TextureSlot {
 };
 
 struct TextureArrays {
-    std::vector<TextureArray> arrays;   ///< ≤ kMaxTextureArrays
-    std::vector<TextureSlot> slotOf;    ///< one for each Scene::textures entry
+    std::vector<TextureArray> arrays;  ///< ≤ kMaxTextureArrays
+    std::vector<TextureSlot> slotOf;   ///< one for each Scene::textures entry
 };
 
 /// Sorts the scene's textures into arrays by size and colour space and builds their mips, averaging
 /// in linear light (sRGB colours are decoded first; alpha is always linear). Textures that read the
-/// same image in the same colour space share a layer. When there are more sizes than arrays, sizes of
-/// one colour space are joined, the pair first whose union adds the fewest texels, so small ones go up
-/// to the next; no image shrinks. Odd sizes are averaged with exact box weights. An array has at most
-/// 2048 layers; more of one size go to a second array.
+/// same image in the same colour space share a layer. When there are more sizes than arrays, sizes
+/// of one colour space are joined, the pair first whose union adds the fewest texels, so small ones
+/// go up to the next; no image shrinks. Odd sizes are averaged with exact box weights. An array has
+/// at most 2048 layers; more of one size go to a second array.
 ///
-/// Throws std::invalid_argument where an image is not width × height texels, a texture names no image,
-/// or there are more textures than kMaxTextureArrays × 2048.
+/// Throws std::invalid_argument where an image is not width × height texels, a texture names no
+/// image, or there are more textures than kMaxTextureArrays × 2048.
 TextureArrays buildTextureArrays(const Scene&);
 
 }  // namespace lodestar::scene

@@ -5,7 +5,7 @@
 #define LS_BRDF_GLSL
 
 struct Surface {
-    vec3 diffuse;   // albedo of the diffuse lobe
+    vec3 diffuse;   // albedo of the diffuse lobe, which gets what is not reflected
     vec3 f0;        // reflectance at normal incidence
     vec3 normal, toEye;
     float alpha;    // roughness²
@@ -15,7 +15,7 @@ struct Surface {
 
 Surface makeSurface(vec3 albedo, float roughness, float metallic, vec3 normal, vec3 toEye) {
     Surface s;
-    s.diffuse = albedo * (1 - metallic) * 0.96;
+    s.diffuse = albedo * (1 - metallic);
     s.f0 = mix(vec3(0.04), albedo, metallic);
     s.normal = normal;
     s.toEye = toEye;
@@ -39,7 +39,7 @@ vec3 reflected(Surface s, vec3 toLight) {
                                  s.nDotV * sqrt(nDotL * nDotL * (1 - a2) + a2));
     const float g = 1 - vDotH, g2 = g * g;
     const vec3 fresnel = s.f0 + (1 - s.f0) * (g2 * g2 * g);
-    return (s.diffuse / 3.14159265 + distribution * masking * fresnel) * nDotL;
+    return ((1 - fresnel) * s.diffuse / 3.14159265 + distribution * masking * fresnel) * nDotL;
 }
 
 /// Share of a prefiltered environment that is reflected: the split-sum scale and bias as fitted by

@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
+#include <lodestar/shading/coarse_params.h>
 #include <lodestar/scene/scene_bindings.hpp>
 #include <lodestar/shading/coarse.hpp>
-#include <lodestar/shading/coarse_params.h>
 
 namespace lodestar::shading {
 namespace {
@@ -49,22 +49,18 @@ void Coarse::recordFull(gpu::Recorder& rec, const scene::GpuScene& scene, const 
     recordWith(rec, fullKernel, scene, in, 1, terms);
 }
 
-void Coarse::recordWith(gpu::Recorder& rec, const gpu::Kernel& kernel,
-                        const scene::GpuScene& scene, const Inputs& in, float rate,
-                        gpu::View out) const {
+void Coarse::recordWith(gpu::Recorder& rec, const gpu::Kernel& kernel, const scene::GpuScene& scene,
+                        const Inputs& in, float rate, gpu::View out) const {
     const vk::Extent2D full = in.ids.extent;
     const vk::Extent2D size = coarseExtent(full, rate);
-    const shared::CoarseParams params{.size = {size.width, size.height},
-                                      .fullSize = {full.width, full.height},
-                                      .rate = rate};
+    const shared::CoarseParams params{
+        .size = {size.width, size.height}, .fullSize = {full.width, full.height}, .rate = rate};
     const auto pass = rec.pass("terms");
-    rec.dispatch(kernel, gpu::groups8x8(size),
-                 scene::withScene(scene, {in.view,
-                                          in.light,
-                                          {in.ids, pointSampler},
-                                          {in.shadowMap, pointSampler},
-                                          out}),
-                 params);
+    rec.dispatch(
+        kernel, gpu::groups8x8(size),
+        scene::withScene(
+            scene, {in.view, in.light, {in.ids, pointSampler}, {in.shadowMap, pointSampler}, out}),
+        params);
 }
 
 }  // namespace lodestar::shading

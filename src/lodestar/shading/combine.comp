@@ -88,11 +88,13 @@ void main() {
                 light.irradianceSlope[2] * bend.z,
             vec3(0));
     vec3 radiance = reflected(s, light.toSun) * light.sunIlluminance * term.a;
-    radiance += s.diffuse * ambient * (albedo.a / 3.14159265);
-    radiance += seen * environmentReflectance(s) * albedo.a;
+    const vec3 mirrored = environmentReflectance(s);
+    radiance += (1 - mirrored) * s.diffuse * ambient * (albedo.a / 3.14159265);
+    radiance += seen * mirrored * albedo.a;
     if (kPunctualLights != 0) radiance += punctual(s, view.eye + ray * depth);
     if (kEmissive != 0) radiance += texelFetch(surfaceEmissive, pixel, 0).rgb;
-    if (kUnlit != 0 && (material.y >> 16 & LS_MATERIAL_UNLIT) != 0)
-        radiance = albedo.rgb * albedo.rgb / light.exposure;
-    imageStore(outRadiance, pixel, vec4(radiance, 1));
+    // Unlit surfaces show the colour they were given: alpha 0 keeps the tone curve off them.
+    const bool unlit = kUnlit != 0 && (material.y >> 16 & LS_MATERIAL_UNLIT) != 0;
+    if (unlit) radiance = albedo.rgb * albedo.rgb / light.exposure;
+    imageStore(outRadiance, pixel, vec4(radiance, unlit ? 0 : 1));
 }

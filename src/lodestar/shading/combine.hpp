@@ -13,14 +13,15 @@ public:
     Combine(const gpu::Device&, const scene::SceneFeatures&);
 
     struct Inputs {
-        const gpu::Buffer& view;    ///< shared::ViewParams
-        const gpu::Buffer& light;   ///< shared::LightParams
+        const gpu::Buffer& view;              ///< shared::ViewParams
+        const gpu::Buffer& light;             ///< shared::LightParams
         gpu::View depth, material, emissive;  ///< visibility::Surface
-        gpu::View terms;            ///< RGBA16_SFLOAT: sky irradiance rgb, sun visibility
+        gpu::View terms;                      ///< RGBA16_SFLOAT: sky irradiance rgb, sun visibility
         gpu::View sky;              ///< octahedral radiance, a mip level per step of roughness
         const gpu::Buffer& lights;  ///< shared::GpuLight
     };
-    /// Writes linear radiance to every texel of `radiance` (RGBA16_SFLOAT).
+    /// Writes linear radiance to every texel of `radiance` (RGBA16_SFLOAT). Its alpha is the share
+    /// that Tonemap gives its curve: 1, but 0 for unlit materials, which show as authored.
     void record(gpu::Recorder&, const Inputs&, gpu::View radiance) const;
 
 private:

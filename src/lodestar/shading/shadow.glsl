@@ -33,7 +33,9 @@ float sunVisibility(LightParams light, sampler2D shadowMap, vec3 position, vec3 
         for (int x = 0; x <= n; ++x) {
             const float occluder = texelFetch(shadowMap, first + ivec2(x, y), 0).x;
             const float weight = x == 0 ? 1 - over.x : x == n ? over.x : 1;
-            sum += row + slope.x * float(x) >= occluder ? weight : 0;
+            // Past the scene's far end the plane's depth is negative; an empty texel (0) is not
+            // in front of it.
+            sum += max(row + slope.x * float(x), 0) >= occluder ? weight : 0;
         }
         lit += sum * (y == 0 ? 1 - over.y : y == n ? over.y : 1);
     }

@@ -44,12 +44,15 @@ Density densityAt(vec3 point) {
             std::max(0.0f, 1 - std::abs(height - 25) / 15)};
 }
 
-vec3 extinction(Density d) { return kRayleigh * d.rayleigh + kMieExtinct * d.mie + kOzone * d.ozone; }
+vec3 extinction(Density d) {
+    return kRayleigh * d.rayleigh + kMieExtinct * d.mie + kOzone * d.ozone;
+}
 
 vec3 transmittance(vec3 from, vec3 direction, float length, int steps) {
     vec3 depth{0};
     for (int i = 0; i < steps; ++i)
-        depth += extinction(densityAt(from + direction * (length * (static_cast<float>(i) + 0.5f) / static_cast<float>(steps))));
+        depth += extinction(densityAt(from + direction * (length * (static_cast<float>(i) + 0.5f) /
+                                                          static_cast<float>(steps))));
     return glm::exp(-depth * (length / static_cast<float>(steps)));
 }
 
@@ -127,11 +130,22 @@ vec3 Sky::radiance(vec3 direction) const {
 }
 
 std::array<vec3, 9> Sky::irradiance() const {
+    return irradianceOf([this](vec3 d) { return radiance(d); });
+}
+
+std::array<vec3, 9> irradianceOf(const std::function<vec3(vec3)>& radiance) {
     std::array<vec3, 9> sh{};
     overSphere([&](vec3 d, float solidAngle) {
         const vec3 light = radiance(d) * solidAngle;
-        const float basis[9] = {1, d.y, d.z, d.x, d.x * d.y, d.y * d.z, 3 * d.z * d.z - 1,
-                                d.x * d.z, d.x * d.x - d.y * d.y};
+        const float basis[9] = {1,
+                                d.y,
+                                d.z,
+                                d.x,
+                                d.x * d.y,
+                                d.y * d.z,
+                                3 * d.z * d.z - 1,
+                                d.x * d.z,
+                                d.x * d.x - d.y * d.y};
         for (int i = 0; i < 9; ++i) sh[i] += light * basis[i];
     });
     // Basis constants squared (projection and evaluation) times the cosine lobe of each band.
@@ -152,8 +166,10 @@ SkyMap makeSkyMap(const Sky& sky) {
     sharp.resize(std::size_t(n) * n);
     for (int y = 0; y < n; ++y)
         for (int x = 0; x < n; ++x)
-            sharp[std::size_t(y) * n + x] = glm::vec4(
-                sky.radiance(directionOf((static_cast<float>(x) + 0.5f) / n, (static_cast<float>(y) + 0.5f) / n)), 1);
+            sharp[std::size_t(y) * n + x] =
+                glm::vec4(sky.radiance(directionOf((static_cast<float>(x) + 0.5f) / n,
+                                                   (static_cast<float>(y) + 0.5f) / n)),
+                          1);
 
     const auto lookUp = [&](vec3 d) {
         const glm::vec2 e = shared::octahedralEncode({d.x, d.z, d.y});
@@ -171,10 +187,11 @@ SkyMap makeSkyMap(const Sky& sky) {
         for (int y = 0; y < size; ++y)
             for (int x = 0; x < size; ++x) {
                 // Normal = eye = reflection, as split-sum environment maps assume (Karis 2013).
-                const vec3 normal = directionOf((static_cast<float>(x) + 0.5f) / static_cast<float>(size),
-                                                (static_cast<float>(y) + 0.5f) / static_cast<float>(size));
-                const vec3 side = glm::normalize(glm::cross(
-                    std::abs(normal.y) < 0.9f ? vec3(0, 1, 0) : vec3(1, 0, 0), normal));
+                const vec3 normal =
+                    directionOf((static_cast<float>(x) + 0.5f) / static_cast<float>(size),
+                                (static_cast<float>(y) + 0.5f) / static_cast<float>(size));
+                const vec3 side = glm::normalize(
+                    glm::cross(std::abs(normal.y) < 0.9f ? vec3(0, 1, 0) : vec3(1, 0, 0), normal));
                 const vec3 across = glm::cross(normal, side);
                 vec3 sum{0};
                 float weights = 0;

@@ -3,14 +3,16 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include <glm/glm.hpp>
 
 namespace lodestar::shading {
 
-/// A clear sky over a plain, made from the direction to the sun: single scattering by air (Rayleigh),
-/// haze (Mie) and ozone absorption along the view ray (Nishita et al. 1993). Free of Vulkan.
+/// A clear sky over a plain, made from the direction to the sun: single scattering by air
+/// (Rayleigh), haze (Mie) and ozone absorption along the view ray (Nishita et al. 1993). Free of
+/// Vulkan.
 class Sky {
 public:
     /// `toSun`: unit, world, y up. Sun and sky are scaled together so that a surface facing the sun
@@ -33,6 +35,9 @@ private:
     glm::vec3 sunDirection, sunOnGround{0}, ground{0};
     float brightness = 1;
 };
+
+/// The irradiance polynomials of any environment, integrated over 2048 cells of equal area.
+std::array<glm::vec3, 9> irradianceOf(const std::function<glm::vec3(glm::vec3)>& radiance);
 
 /// Radiance by direction: octahedral, straight up in the middle. Level 0 is the sky itself; level l
 /// is blurred by the GGX lobe of roughness l / (levels − 1).

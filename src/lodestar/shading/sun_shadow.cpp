@@ -28,7 +28,8 @@ SunView fitSun(glm::vec3 toSun, const scene::Bounds& bounds, const scene::Camera
                float aspect, float distance, std::uint32_t mapSize) {
     const float sceneRadius = std::max(bounds.radius(), 1e-6f);
     Sphere sphere{bounds.empty() ? glm::vec3(0) : bounds.centre(), sceneRadius};
-    const Sphere view = aboutView(camera, aspect, distance);
+    // A view of no depth would leave a map of no size.
+    const Sphere view = aboutView(camera, aspect, std::max(distance, 1e-3f * sceneRadius));
     const bool viewOnly = view.radius < sceneRadius;
     if (viewOnly) sphere = view;
 
@@ -42,14 +43,16 @@ SunView fitSun(glm::vec3 toSun, const scene::Bounds& bounds, const scene::Camera
     float radius = sphere.radius * 1.02f;
     if (viewOnly) {
         radius = std::exp2(std::ceil(std::log2(sphere.radius) * 4 + 0.5f) / 4);
-        const float step = radius / 8;
+        // The map is 16 steps wide, so that a step is a whole number of texels and edges stay put.
+        const float step = radius / 7;
         middle = glm::round(middle / step) * step;
         radius += step;
     }
     const auto size = static_cast<float>(mapSize);
     sun.texel = 2 * radius / size;
     // Casters anywhere in the scene count, receivers too: the depth range is the scene's.
-    const float front = glm::dot(bounds.empty() ? glm::vec3(0) : bounds.centre(), z) + sceneRadius * 1.02f;
+    const float front =
+        glm::dot(bounds.empty() ? glm::vec3(0) : bounds.centre(), z) + sceneRadius * 1.02f;
     const float range = 2 * sceneRadius * 1.04f;
     sun.depthScale = 1 / range;
 

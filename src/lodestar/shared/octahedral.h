@@ -34,8 +34,12 @@ LS_FUNCTION vec3 octahedralDecode(vec2 e) {
 }
 
 /// 2 × 16-bit snorm: 0.003° at worst.
-LS_FUNCTION uint packNormal(vec3 n) { return packSnorm2x16(octahedralEncode(n)); }
-LS_FUNCTION vec3 unpackNormal(uint bits) { return octahedralDecode(unpackSnorm2x16(bits)); }
+LS_FUNCTION uint packNormal(vec3 n) {
+    return packSnorm2x16(octahedralEncode(n));
+}
+LS_FUNCTION vec3 unpackNormal(uint bits) {
+    return octahedralDecode(unpackSnorm2x16(bits));
+}
 
 /// The lowest bit holds the sign of the bitangent.
 LS_FUNCTION uint packTangent(vec4 t) {

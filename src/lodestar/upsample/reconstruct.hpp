@@ -19,7 +19,8 @@ enum class Reconstruct {
 inline constexpr std::array<std::string_view, 6> kReconstructNames{
     "bilateral", "bilinear", "biquadratic", "bicubic", "gaussian", "nearest"};
 
-/// Widths of the range filters: how unlike a tap may be. Both scale-free; infinity switches one off.
+/// Widths of the range filters: how unlike a tap may be. Both scale-free; infinity switches one
+/// off.
 struct Sigmas {
     float z = 0.02f;  ///< of the depth difference relative to the pixel's own depth
     float n = 0.4f;   ///< of the difference of foreshortened normals (nx/nz, ny/nz, 1)

@@ -44,6 +44,8 @@ void domainWeights(float f, out float w[4]) {
             const float d = float(i - 1) - f;
             w[i] = exp(-d * d / (2 * 0.7 * 0.7));
         }
+        const float sum = w[0] + w[1] + w[2] + w[3];
+        for (int i = 0; i < 4; ++i) w[i] /= sum;
     }
 }
 
@@ -67,7 +69,9 @@ void main() {
     const ivec2 last = ivec2(params.size) - 1;
 
     // The range weights are exp2(−e). All e are taken relative to the least, which changes nothing
-    // in the quotient but keeps it defined where every tap is unlike the pixel.
+    // in the quotient but keeps it defined where every tap is unlike the pixel. A tap of (almost) no
+    // domain weight does not set that scale, nor gain weight by it: whether rounding makes its
+    // weight 0 or 1e-7 must not decide a pixel.
     uvec4 taps[16];
     float e[16];
     float least = 3e38;
@@ -78,8 +82,7 @@ void main() {
         if (kRange != 0) {
             const float dz = (z - coarseDepth(taps[j])) * perZ;
             const vec2 dn = n - coarseNormal(taps[j]);
-            e[j] = params.depthFalloff * dz * dz + params.normalFalloff * dot(dn, dn);
-            // A tap of no domain weight must not set the scale.
+            e[j] = min(params.depthFalloff * dz * dz + params.normalFalloff * dot(dn, dn), 1e30);
             if (wx[j % kTaps] * wy[j / kTaps] > 1e-4) least = min(least, e[j]);
         }
     }
@@ -87,7 +90,7 @@ void main() {
     float weights = 0;
     for (int j = 0; j < kTaps * kTaps; ++j) {
         float w = wx[j % kTaps] * wy[j / kTaps];
-        if (kRange != 0) w *= exp2(max(least - e[j], -126.0));
+        if (kRange != 0) w *= exp2(clamp(least - e[j], -126.0, 0.0));
         sum += w * coarseTerms(taps[j]);
         weights += w;
     }

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
-#include <lodestar/upsample/upsample.hpp>
 #include <lodestar/upsample/upsample_params.h>
+#include <lodestar/upsample/upsample.hpp>
 
 namespace lodestar::upsample {
 namespace {
@@ -15,12 +15,17 @@ using gpu::Slot;
 
 std::uint32_t domainOf(Reconstruct kind) {
     switch (kind) {
-        case Reconstruct::nearest: return shared::LS_DOMAIN_NEAREST;
+        case Reconstruct::nearest:
+            return shared::LS_DOMAIN_NEAREST;
         case Reconstruct::bilateral:
-        case Reconstruct::bilinear: return shared::LS_DOMAIN_TENT;
-        case Reconstruct::biquadratic: return shared::LS_DOMAIN_QUADRATIC;
-        case Reconstruct::bicubic: return shared::LS_DOMAIN_CUBIC;
-        case Reconstruct::gaussian: return shared::LS_DOMAIN_GAUSSIAN;
+        case Reconstruct::bilinear:
+            return shared::LS_DOMAIN_TENT;
+        case Reconstruct::biquadratic:
+            return shared::LS_DOMAIN_QUADRATIC;
+        case Reconstruct::bicubic:
+            return shared::LS_DOMAIN_CUBIC;
+        case Reconstruct::gaussian:
+            return shared::LS_DOMAIN_GAUSSIAN;
     }
     throw std::invalid_argument("Reconstruct");
 }
@@ -55,18 +60,19 @@ Upsample::Upsample(const gpu::Device& device, Reconstruct kind)
 void Upsample::record(gpu::Recorder& rec, const Inputs& in, const Sigmas& sigmas,
                       gpu::View terms) const {
     if (!(in.rate >= 1)) throw std::invalid_argument("Upsample::Inputs::rate must be at least 1");
+    if (in.size.width == 0 || in.size.height == 0 || in.size.width > in.coarse.extent.width ||
+        in.size.height > in.coarse.extent.height)
+        throw std::invalid_argument("Upsample::Inputs::size must be 1 … the size of coarse");
     const shared::UpsampleParams params{.size = {in.size.width, in.size.height},
                                         .inverseRate = 1 / in.rate,
                                         .depthFalloff = falloff(sigmas.z, "z"),
                                         .normalFalloff = falloff(sigmas.n, "n")};
     const bool flat = params.depthFalloff == 0 && params.normalFalloff == 0;
     const auto pass = rec.pass("upsample");
-    rec.dispatch(flat ? plain : guided, gpu::groups8x8(in.depth.extent),
-                 {{in.coarse, pointSampler},
-                  {in.depth, pointSampler},
-                  {in.normal, pointSampler},
-                  terms},
-                 params);
+    rec.dispatch(
+        flat ? plain : guided, gpu::groups8x8(in.depth.extent),
+        {{in.coarse, pointSampler}, {in.depth, pointSampler}, {in.normal, pointSampler}, terms},
+        params);
 }
 
 }  // namespace lodestar::upsample

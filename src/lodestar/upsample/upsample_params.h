@@ -5,16 +5,16 @@
 LS_NAMESPACE_BEGIN
 
 const uint LS_DOMAIN_NEAREST = 0u;
-const uint LS_DOMAIN_TENT = 1u;        // 2×2
-const uint LS_DOMAIN_QUADRATIC = 2u;   // 3×3, quadratic B-spline
-const uint LS_DOMAIN_CUBIC = 3u;       // 4×4, cubic B-spline
-const uint LS_DOMAIN_GAUSSIAN = 4u;    // 4×4, σ = 0.7 texels of S
+const uint LS_DOMAIN_TENT = 1u;       // 2×2
+const uint LS_DOMAIN_QUADRATIC = 2u;  // 3×3, quadratic B-spline
+const uint LS_DOMAIN_CUBIC = 3u;      // 4×4, cubic B-spline
+const uint LS_DOMAIN_GAUSSIAN = 4u;   // 4×4, σ = 0.7 texels of S
 
 struct UpsampleParams {
-    uvec2 size;          // of S
-    float inverseRate;   // 1/r
-    float depthFalloff;  // log2(e) / (2 σz²); 0 for σz = ∞
-    float normalFalloff; // log2(e) / (2 σn²); 0 for σn = ∞
+    uvec2 size;           // of S
+    float inverseRate;    // 1/r
+    float depthFalloff;   // log2(e) / (2 σz²); 0 for σz = ∞
+    float normalFalloff;  // log2(e) / (2 σn²); 0 for σn = ∞
 };
 
 LS_NAMESPACE_END

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <lodestar/visibility/capture_ss_params.h>
 #include <lodestar/scene/scene_bindings.hpp>
 #include <lodestar/visibility/capture_ss.hpp>
-#include <lodestar/visibility/capture_ss_params.h>
 
 namespace lodestar::visibility {
 namespace {
@@ -20,8 +20,7 @@ gpu::RasterPipeline makePipeline(const gpu::Device& device, const scene::SceneFe
                                  CaptureSs::Writes writes, DrawBin bin) {
     const bool ids = writes == CaptureSs::Writes::idsAndDepth;
     const bool masked = bin == DrawBin::masked || bin == DrawBin::maskedDoubleSided;
-    const bool doubleSided =
-        bin == DrawBin::opaqueDoubleSided || bin == DrawBin::maskedDoubleSided;
+    const bool doubleSided = bin == DrawBin::opaqueDoubleSided || bin == DrawBin::maskedDoubleSided;
     gpu::RasterInfo info{
         .name = std::string(ids ? "capture" : "depth") + (masked ? ", masked" : "") +
                 (doubleSided ? ", double-sided" : ""),
@@ -67,8 +66,8 @@ void CaptureSs::record(gpu::Recorder& rec, const scene::GpuScene& scene,
     if (writes == Writes::idsAndDepth) attachments.colors = {target.ids};
     rec.beginRendering(attachments);
     const auto bindings = scene::withScene(
-        scene, {list.ids, list.draws, scene.materials, {scene.textureViews(), sampler},
-                scene.secondUvs});
+        scene,
+        {list.ids, list.draws, scene.materials, {scene.textureViews(), sampler}, scene.secondUvs});
     for (std::uint32_t bin = 0; bin < scene::kDrawBins; ++bin) {
         if (scene.binStarts()[bin] == scene.binStarts()[bin + 1]) continue;
         rec.drawIndexedIndirect(pipelines[bin], list.indices, list.draws,

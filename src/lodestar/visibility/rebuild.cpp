@@ -15,10 +15,11 @@ using gpu::Slot;
 gpu::Image surfaceImage(const gpu::Device& device, vk::Extent2D extent, vk::Format format,
                         const char* name) {
     using Usage = vk::ImageUsageFlagBits;
-    return {device, {.name = name,
-                     .format = format,
-                     .extent = extent,
-                     .usage = Usage::eStorage | Usage::eSampled | Usage::eTransferSrc}};
+    return {device,
+            {.name = name,
+             .format = format,
+             .extent = extent,
+             .usage = Usage::eStorage | Usage::eSampled | Usage::eTransferSrc}};
 }
 
 gpu::Specialization constants(const scene::SceneFeatures& f) {
@@ -45,8 +46,12 @@ Rebuild::Rebuild(const gpu::Device& device, const scene::SceneFeatures& features
     : textureSampler(makeTextureSampler(device)),
       pointSampler(device.vk(), vk::SamplerCreateInfo{}),
       kernel(device, "rebuild", kCode,
-             scene::withSceneSlots({Slot::uniformBuffer, Slot::sampledImage, Slot::storageImage,
-                                    Slot::storageImage, Slot::storageImage, Slot::storageImage,
+             scene::withSceneSlots({Slot::uniformBuffer,
+                                    Slot::sampledImage,
+                                    Slot::storageImage,
+                                    Slot::storageImage,
+                                    Slot::storageImage,
+                                    Slot::storageImage,
                                     Slot::texelBuffer,
                                     {Slot::sampledImage, shared::LS_TEXTURE_ARRAYS},
                                     Slot::texelBuffer}),
@@ -64,7 +69,7 @@ void Rebuild::record(gpu::Recorder& rec, const scene::GpuScene& scene, const Inp
                                           out.emissive,
                                           scene.materials,
                                           {scene.textureViews(), textureSampler},
-                                 scene.secondUvs}));
+                                          scene.secondUvs}));
 }
 
 }  // namespace lodestar::visibility

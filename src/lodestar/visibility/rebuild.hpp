@@ -14,12 +14,14 @@ struct Surface {
     gpu::Image normal;    ///< R32_UINT: vertex normal in view space, packNormal
     gpu::Image material;  ///< RGBA32_UINT, see below; undefined on the background
     gpu::Image emissive;  ///< RGBA16_SFLOAT, linear; written only for scenes that emit
-    // material.x: sqrt(albedo) rgb, occlusion (unorm 8)   .y: roughness, metallic (unorm 8), flags << 16
-    // material.z: shading normal, world, packNormal       .w: vertex normal, world, packNormal
+    // material.x: sqrt(albedo) rgb, occlusion (unorm 8)   .y: roughness, metallic (unorm 8), flags
+    // << 16 material.z: shading normal, world, packNormal       .w: vertex normal, world,
+    // packNormal
 };
 
 /// Rebuilds surface attributes from triangle ids: barycentrics from homogeneous edge functions,
-/// texture gradients from their analytic derivatives (thesis §3.3, with the formulas of the design).
+/// texture gradients from their analytic derivatives (thesis §3.3, with the formulas of the
+/// design).
 class Rebuild {
 public:
     Rebuild(const gpu::Device&, const scene::SceneFeatures&);
@@ -29,7 +31,8 @@ public:
         const gpu::Buffer& view;  ///< shared::ViewParams
     };
     /// Writes every texel of `surface`, which has the size of `ids`.
-    void record(gpu::Recorder&, const scene::GpuScene&, const Inputs&, const Surface& surface) const;
+    void record(gpu::Recorder&, const scene::GpuScene&, const Inputs&,
+                const Surface& surface) const;
 
 private:
     vk::raii::Sampler textureSampler, pointSampler;
