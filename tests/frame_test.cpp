@@ -158,8 +158,10 @@ TEST_F(FrameTest, shadowsDarkenWhatLiesBehindTheirCasters) {
         const auto floor = small_scenes::parts::rectangle({-4, 0, -4}, {8, 0, 0}, {0, 0, 8});
         const auto plate = small_scenes::parts::rectangle({-1, 1, -1}, {2, 0, 0}, {0, 0, 2});
         const std::uint32_t material = builder.add(scene::Material{});
-        builder.place(builder.add("floor", small_scenes::parts::patch(floor, 1, 1, {1, 1}), material));
-        builder.place(builder.add("plate", small_scenes::parts::patch(plate, 1, 1, {1, 1}), material));
+        builder.place(
+            builder.add("floor", small_scenes::parts::patch(floor, 1, 1, {1, 1}), material));
+        builder.place(
+            builder.add("plate", small_scenes::parts::patch(plate, 1, 1, {1, 1}), material));
         return std::move(builder).finish();
     }();
     // From the side, under the plate's height: the middle of the floor and its left edge.
@@ -173,8 +175,8 @@ TEST_F(FrameTest, shadowsDarkenWhatLiesBehindTheirCasters) {
         const auto ids = stage.ids();
         const auto terms = stage.halves(stage.frame.terms());
         const auto at = [&](float x) {  // a point of the floor, z = 0
-            const glm::vec4 clip = camera.clipFromView(64.0f / 48) * camera.viewFromWorld() *
-                                   glm::vec4(x, 0, 0, 1);
+            const glm::vec4 clip =
+                camera.clipFromView(64.0f / 48) * camera.viewFromWorld() * glm::vec4(x, 0, 0, 1);
             const glm::vec2 pixel = (glm::vec2(clip) / clip.w * 0.5f + 0.5f) * glm::vec2(64, 48);
             const auto index = std::size_t(pixel.y) * 64 + std::size_t(pixel.x);
             EXPECT_NE(ids[index], 0u);
@@ -194,13 +196,12 @@ TEST_F(FrameTest, shadowsDarkenWhatLiesBehindTheirCasters) {
 
 TEST_F(FrameTest, animationMovesThePictureAndBack) {
     Scene scene = small_scenes::single(small_scenes::quad());
-    scene.animations.push_back(
-        {.name = "slide",
-         .duration = 2,
-         .channels = {{.node = scene.instances[0].node,
-                       .path = scene::AnimationPath::translation,
-                       .times = {0, 2},
-                       .values = {glm::vec4(0), glm::vec4(4, 0, 0, 0)}}}});
+    scene.animations.push_back({.name = "slide",
+                                .duration = 2,
+                                .channels = {{.node = scene.instances[0].node,
+                                              .path = scene::AnimationPath::translation,
+                                              .times = {0, 2},
+                                              .values = {glm::vec4(0), glm::vec4(4, 0, 0, 0)}}}});
     Stage stage(device(), std::move(scene), small(32, 32));
     const auto first = stage.render(small_scenes::facing());
     stage.onGpu.animate(0.5f);  // one unit, half of the picture, to the right
@@ -214,8 +215,8 @@ TEST_F(FrameTest, animationMovesThePictureAndBack) {
 }
 
 TEST_F(FrameTest, unlitSurfacesKeepTheirColorAndEmittersShine) {
-    Scene scene = small_scenes::single(small_scenes::quad(), {.baseColor = {0.5f, 0.25f, 1, 1},
-                                                             .unlit = true});
+    Scene scene = small_scenes::single(small_scenes::quad(),
+                                       {.baseColor = {0.5f, 0.25f, 1, 1}, .unlit = true});
     Stage unlit(device(), scene, small(16, 16));
     unlit.render(small_scenes::facing());
     for (const glm::vec4& texel : unlit.halves(unlit.frame.radiance()))

@@ -37,7 +37,8 @@ inline void expectGolden(const lodestar::quality::RgbImage& picture, const std::
     for (std::size_t i = 0; i < picture.rgb.size(); i += 3) {
         int difference = 0;
         for (std::size_t c = i; c < i + 3; ++c)
-            difference = std::max(difference, std::abs(int(picture.rgb[c]) - int(expected->rgb[c])));
+            difference =
+                std::max(difference, std::abs(int(picture.rgb[c]) - int(expected->rgb[c])));
         most = std::max(most, difference);
         unlike += difference > kSame;
         error.values.push_back(std::min(1.0f, float(difference) / kMost));

@@ -24,8 +24,10 @@ struct AllParams {
     GpuTextureTransform textureTransform;
     GpuLight punctual;
     PrefixSumParams prefixSum;
-    CullParams cull;
-    EmitParams emit;
+    CullClustersParams cullClusters;
+    CompactParams compact;
+    CullTrianglesParams cullTriangles;
+    VisibleCounts visible;
     CaptureParams capture;
     ViewParams view;
     CoarseParams coarse;
@@ -62,9 +64,13 @@ LS_NAMESPACE_END
     VISIT(p.punctual.kind) VISIT(p.punctual.direction) VISIT(p.punctual.coneScale)               \
     VISIT(p.punctual.coneOffset)                                                                 \
     VISIT(p.prefixSum.count) VISIT(p.prefixSum.source) VISIT(p.prefixSum.blockTotals)            \
-    LS_VISIT_5(VISIT, p.cull.planes) VISIT(p.cull.eye) VISIT(p.cull.clusterCount)                \
-    VISIT(p.cull.useCones)                                                                       \
-    LS_VISIT_5(VISIT, p.emit.binStarts)                                                          \
+    LS_VISIT_5(VISIT, p.cullClusters.planes) VISIT(p.cullClusters.eye)                           \
+    VISIT(p.cullClusters.clusterCount) VISIT(p.cullClusters.useCones)                            \
+    LS_VISIT_5(VISIT, p.compact.binStarts)                                                       \
+    VISIT(p.cullTriangles.clipFromWorld) VISIT(p.cullTriangles.size)                             \
+    LS_VISIT_5(VISIT, p.cullTriangles.binStarts)                                                 \
+    LS_VISIT_3(VISIT, p.visible.groups) VISIT(p.visible.clusters)                                \
+    LS_VISIT_5(VISIT, p.visible.binStarts)                                                       \
     VISIT(p.capture.clipFromWorld) VISIT(p.capture.bin)                                          \
     VISIT(p.view.clipFromWorld) VISIT(p.view.viewFromWorld) VISIT(p.view.eye)                    \
     VISIT(p.view.clipScale)                                                                      \

@@ -142,7 +142,8 @@ TEST_F(RebuildTest, showsTheNearestFrontFacingTriangle) {
 }
 
 TEST_F(RebuildTest, aFloorThroughTheNearPlaneIsExact) {
-    for (const float behind : {100.0f, 0.0f}) {  // at z = 0 a vertex has w = 0
+    // At z = 0 a vertex has w = 0; just before it, it projects millions of pixels away.
+    for (const float behind : {100.0f, 0.0f, -1e-6f, -1e-3f}) {
         View view(device(), single(small_scenes::triangles({{-100, 0, behind},
                                                             {100, 0, behind},
                                                             {100, 0, -100},

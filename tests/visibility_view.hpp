@@ -113,7 +113,7 @@ struct View {
         geometry::DrawList list(device, onGpu, "list");
 
         rec.begin();
-        cull.record(rec, onGpu, {.clipFromWorld = clip, .eye = camera.eye}, list);
+        cull.record(rec, onGpu, {.clipFromWorld = clip, .eye = camera.eye, .size = size}, list);
         rec.barrier(Stage::compute, Stage::raster);
         rec.barrier(Stage::compute, Stage::indirect);
         capture.record(rec, onGpu, list, clip, {ids, depth}, "capture");
