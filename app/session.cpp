@@ -62,13 +62,13 @@ Result<Session> openSession(const std::string& sceneName, const gpu::DeviceReque
     Session session{.sceneName = sceneName};
     auto loaded = scene::load(sceneName);
     if (!loaded) return tl::unexpected(loaded.error());
-    session.scene = std::move(*loaded);
-    for (const std::string& note : session.scene.notes) fmt::print("note: {}\n", printable(note));
+    session.scene = std::make_unique<const scene::Scene>(std::move(*loaded));
+    for (const std::string& note : session.scene->notes) fmt::print("note: {}\n", printable(note));
     session.device = std::make_unique<gpu::Device>(request);
     {
         std::optional<Progress> bar;
         session.gpuScene = std::make_unique<scene::GpuScene>(
-            *session.device, session.scene, [&](const char* what, int done, int of) {
+            *session.device, *session.scene, [&](const char* what, int done, int of) {
                 if (done == 0) bar.emplace(what, static_cast<std::size_t>(of));
                 bar->update(static_cast<std::size_t>(done));
             });
@@ -88,8 +88,8 @@ Result<scene::Camera> resolveCamera(const Session& session, const ViewOptions& o
         camera.at = *options.at;
         if (camera.eye == camera.at) return fail("--eye and --at are the same point: move one");
     } else if (!options.camera.empty()) {
-        if (const auto index = findCamera(scene, options.camera)) {
-            const scene::SceneCamera& chosen = scene.cameras[*index];
+        if (const auto index = findCamera(*scene, options.camera)) {
+            const scene::SceneCamera& chosen = scene->cameras[*index];
             camera = scene::fromSceneCamera(chosen, gpuScene->nodeTransforms()[chosen.node],
                                             bounds.radius());
         } else if (const auto view = namedView(sceneName, options.camera)) {
@@ -97,7 +97,7 @@ Result<scene::Camera> resolveCamera(const Session& session, const ViewOptions& o
             camera.nearPlane = nearPlane;
         } else {
             return fail(fmt::format("no camera '{}' in {}: {}", printable(options.camera),
-                                    printable(sceneName), listNames(scene.cameras)));
+                                    printable(sceneName), listNames(scene->cameras)));
         }
     }
     if (options.fovDegrees) camera.verticalFov = radians(*options.fovDegrees);

@@ -16,7 +16,7 @@ namespace lodestar::app {
 /// A scene on a device, ready for frames: what render, bench and view start from.
 struct Session {
     std::string sceneName;
-    scene::Scene scene;
+    std::unique_ptr<const scene::Scene> scene;  ///< gpuScene refers to it, so it must not move
     std::unique_ptr<gpu::Device> device;
     std::unique_ptr<scene::GpuScene> gpuScene;
 };

@@ -138,7 +138,7 @@ glm::mat4 AttributeComparison::clipFromWorld(const scene::Camera& camera) const 
 }
 
 void AttributeComparison::cullFor(const scene::Camera& camera) {
-    cull.record(rec, *scene, {clipFromWorld(camera), camera.eye}, list);
+    cull.record(rec, *scene, {clipFromWorld(camera), camera.eye, extent}, list);
     rec.barrier(Stage::compute, Stage::raster);
     rec.barrier(Stage::compute, Stage::indirect);
 }
