@@ -6,9 +6,9 @@
 // What triangle.glsl finds at every pixel, as ten numbers: weights, their derivatives, depth.
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(binding = 7, scalar) uniform View { ViewParams view; };
-layout(binding = 8) uniform usampler2D ids;
-layout(binding = 9, scalar) writeonly buffer Found { Barycentrics found[]; };
+layout(binding = 6, scalar) uniform View { ViewParams view; };
+layout(binding = 7) uniform usampler2D ids;
+layout(binding = 8, scalar) writeonly buffer Found { Barycentrics found[]; };
 
 void main() {
     const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);

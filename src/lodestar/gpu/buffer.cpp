@@ -13,11 +13,11 @@ Buffer::Buffer(const Device& owner, std::string name, std::uint64_t bytes, Resid
     : device(&owner), size(std::max<std::uint64_t>(bytes, 16)) {
     using Usage = vk::BufferUsageFlagBits;
     buffer = vk::raii::Buffer(
-        owner.vk(), vk::BufferCreateInfo{.size = size,
-                                         .usage = Usage::eStorageBuffer | Usage::eUniformBuffer |
-                                                  Usage::eUniformTexelBuffer |
-                                                  Usage::eIndirectBuffer | Usage::eTransferSrc |
-                                                  Usage::eTransferDst});
+        owner.vk(),
+        vk::BufferCreateInfo{.size = size,
+                             .usage = Usage::eStorageBuffer | Usage::eUniformBuffer |
+                                      Usage::eUniformTexelBuffer | Usage::eIndirectBuffer |
+                                      Usage::eTransferSrc | Usage::eTransferDst});
     using Memory = vk::MemoryPropertyFlagBits;
     const bool map = residence == Residence::mapped;
     const vk::MemoryPropertyFlags flags =

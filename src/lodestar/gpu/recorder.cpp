@@ -20,10 +20,10 @@ StageAccess accessOf(Stage stage) {
                     A::eShaderStorageRead | A::eShaderSampledRead | A::eUniformRead,
                     A::eShaderStorageWrite};
         case Stage::raster:
-            return {S::eVertexShader | S::eFragmentShader |
-                        S::eEarlyFragmentTests | S::eLateFragmentTests | S::eColorAttachmentOutput,
-                    A::eShaderStorageRead | A::eShaderSampledRead |
-                        A::eUniformRead | A::eDepthStencilAttachmentRead | A::eColorAttachmentRead |
+            return {S::eVertexShader | S::eFragmentShader | S::eEarlyFragmentTests |
+                        S::eLateFragmentTests | S::eColorAttachmentOutput,
+                    A::eShaderStorageRead | A::eShaderSampledRead | A::eUniformRead |
+                        A::eDepthStencilAttachmentRead | A::eColorAttachmentRead |
                         A::eDepthStencilAttachmentWrite | A::eColorAttachmentWrite,
                     A::eDepthStencilAttachmentWrite | A::eColorAttachmentWrite};
         case Stage::indirect:

@@ -59,8 +59,7 @@ public:
     const std::array<std::uint32_t, kDrawBins + 1>& binStarts() const { return bins; }
     std::uint32_t lightCount() const { return lightsUsed; }
 
-    gpu::TexelBuffer vertices, attributes, triangles, meshlets, instances,
-        clusters,
+    gpu::TexelBuffer vertices, attributes, triangles, meshlets, instances, clusters,
         materials;               ///< the records of gpu_types.h
     gpu::TexelBuffer secondUvs;  ///< vec2 a vertex; a dummy where no material uses them
     gpu::Buffer lights;

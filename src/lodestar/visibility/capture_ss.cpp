@@ -27,7 +27,8 @@ gpu::RasterPipeline makePipeline(const gpu::Device& device, const scene::SceneFe
         .vertex = kVertexCode,
         .cull = doubleSided ? vk::CullModeFlagBits::eNone : vk::CullModeFlagBits::eBack,
         .depthClamp = !ids,
-        .slots = scene::withSceneSlots({Slot::texelBuffer, Slot::texelBuffer,
+        .slots = scene::withSceneSlots({Slot::texelBuffer,
+                                        Slot::texelBuffer,
                                         {Slot::sampledImage, shared::LS_TEXTURE_ARRAYS},
                                         Slot::texelBuffer}),
         .pushBytes = sizeof(shared::CaptureParams),
@@ -64,12 +65,11 @@ void CaptureSs::record(gpu::Recorder& rec, const scene::GpuScene& scene,
     if (writes == Writes::idsAndDepth) attachments.colors = {target.ids};
     rec.beginRendering(attachments);
     const auto bindings = scene::withScene(
-        scene,
-        {list.ids, scene.materials, {scene.textureViews(), sampler}, scene.secondUvs});
+        scene, {list.ids, scene.materials, {scene.textureViews(), sampler}, scene.secondUvs});
     for (std::uint32_t bin = 0; bin < scene::kDrawBins; ++bin) {
         if (scene.binStarts()[bin] == scene.binStarts()[bin + 1]) continue;
-        rec.drawIndirect(pipelines[bin], list.draws, bin * sizeof(vk::DrawIndirectCommand), bindings,
-                         shared::CaptureParams{clipFromWorld});
+        rec.drawIndirect(pipelines[bin], list.draws, bin * sizeof(vk::DrawIndirectCommand),
+                         bindings, shared::CaptureParams{clipFromWorld});
     }
     rec.endRendering();
 }
