@@ -102,15 +102,15 @@ std::string db(double value) {
 /// Triangles that the last frame drew, and instances and clusters of the scene.
 Json countsOf(const Session& session, const frame::Frame& frame) {
     const scene::GpuScene& scene = *session.gpuScene;
-    const auto draws = gpu::as<vk::DrawIndexedIndirectCommand>(
+    const auto draws = gpu::as<vk::DrawIndirectCommand>(
         gpu::readBuffer(*session.device, frame.drawList().draws,
-                        scene::kDrawBins * sizeof(vk::DrawIndexedIndirectCommand)));
-    std::uint64_t indices = 0;
-    for (const auto& draw : draws) indices += draw.indexCount;
+                        scene::kDrawBins * sizeof(vk::DrawIndirectCommand)));
+    std::uint64_t corners = 0;
+    for (const auto& draw : draws) corners += draw.vertexCount;
     return {{"instances_total", scene.instanceCount()},
             {"clusters_total", scene.clusterCount() - 1},
             {"triangles_total", scene.triangleCount()},
-            {"triangles_visible", indices / 3}};
+            {"triangles_visible", corners / 3}};
 }
 
 void printPasses(const std::vector<PassTimes>& passes, double frameMs) {

@@ -24,8 +24,8 @@ using shared::GpuTriangle;
 /// The draw list of one view, read back.
 struct Drawn {
     std::uint32_t clusters = 0;  // that were looked into
-    std::vector<std::uint32_t> indices, ids;
-    std::vector<vk::DrawIndexedIndirectCommand> draws;
+    std::vector<std::uint32_t> ids;
+    std::vector<vk::DrawIndirectCommand> draws;
 
     bool operator==(const Drawn&) const = default;
 };
@@ -40,7 +40,6 @@ struct Fixture {
     std::vector<GpuCluster> clusters;
     std::vector<GpuTriangle> triangles;
     std::vector<shared::GpuVertex> vertices;
-    std::vector<std::uint32_t> meshletVertices;
     std::vector<glm::dmat4> worldFromObject;
 
     Fixture(const gpu::Device& device, scene::Scene scene)
@@ -51,8 +50,7 @@ struct Fixture {
           rec(device),
           clusters(records<GpuCluster>(onGpu.clusters)),
           triangles(records<GpuTriangle>(onGpu.triangles)),
-          vertices(records<shared::GpuVertex>(onGpu.vertices)),
-          meshletVertices(records<std::uint32_t>(onGpu.meshletVertices)) {
+          vertices(records<shared::GpuVertex>(onGpu.vertices)) {
         const auto worldFromNodes = worldFromNode(source);
         for (const scene::Instance& i : source.instances)
             worldFromObject.emplace_back(worldFromNodes[i.node] * i.nodeFromObject);
@@ -71,7 +69,7 @@ struct Fixture {
         rec.begin();
         for (const gpu::Buffer* b :
              {&list.clusterOffsets, &list.visible, &list.counts, &list.masks, &list.triangleOffsets,
-              &list.indices, &list.ids.buffer(), &list.draws})
+              &list.ids.buffer(), &list.draws})
             rec.fill(*b, before);
         rec.barrier(Stage::transfer, Stage::compute);
         cull.record(rec, onGpu, view, list);
@@ -82,14 +80,13 @@ struct Fixture {
                 gpu::readBuffer(rec.device(), list.counts, sizeof(shared::VisibleCounts)))
                 .front()
                 .clusters;
-        drawn.draws = gpu::as<vk::DrawIndexedIndirectCommand>(
+        drawn.draws = gpu::as<vk::DrawIndirectCommand>(
             gpu::readBuffer(rec.device(), list.draws, list.draws.bytes()));
         std::size_t indexCount = 0;
-        for (const auto& draw : drawn.draws) indexCount += draw.indexCount;
+        for (const auto& draw : drawn.draws) indexCount += draw.vertexCount;
         EXPECT_LE(indexCount, 3u * onGpu.triangleCount());
         EXPECT_EQ(indexCount % 3, 0u);
         if (indexCount > 0 && indexCount <= 3u * onGpu.triangleCount()) {
-            drawn.indices = words(list.indices, indexCount);
             drawn.ids = words(list.ids.buffer(), indexCount / 3);
         }
         return drawn;
@@ -165,49 +162,19 @@ TEST_F(CullTest, drawsOneRangeForEachBin) {
     std::uint32_t next = 0;
     for (std::size_t bin = 0; bin < scene::kDrawBins; ++bin) {
         const auto& draw = drawn.draws[bin];
-        EXPECT_EQ(draw.firstIndex, next);
+        EXPECT_EQ(draw.firstVertex, next);
         EXPECT_EQ(draw.instanceCount, 1u);
-        EXPECT_EQ(draw.vertexOffset, 0);
         EXPECT_EQ(draw.firstInstance, 0u);
-        EXPECT_GT(draw.indexCount, 0u);
-        for (std::uint32_t i = next / 3; i < (next + draw.indexCount) / 3; ++i) {
+        EXPECT_GT(draw.vertexCount, 0u);
+        for (std::uint32_t i = next / 3; i < (next + draw.vertexCount) / 3; ++i) {
             const std::uint32_t material =
                 f.clusters[drawn.ids[i] >> shared::LS_TRIANGLE_BITS].material;
             const bool masked = f.source.materials[material].alphaMode != scene::AlphaMode::opaque;
             ASSERT_EQ(bin, 2u * masked + f.source.materials[material].doubleSided);
         }
-        next += draw.indexCount;
+        next += draw.vertexCount;
     }
-    EXPECT_EQ(next, drawn.indices.size());
-}
-
-TEST_F(CullTest, indicesNameTheTrianglesCornersCounterClockwiseFromOutside) {
-    Fixture f(device(), small_scenes::jumble());
-    const Drawn drawn = f.run(wholeScene(f.onGpu.bounds()));
-    int reflected = 0;
-    for (std::size_t i = 0; i < drawn.ids.size(); ++i) {
-        const std::uint32_t cluster = drawn.ids[i] >> shared::LS_TRIANGLE_BITS;
-        const std::uint32_t triangle = drawn.ids[i] & shared::LS_TRIANGLE_MASK;
-        std::array<glm::dvec3, 3> corners;
-        std::array<std::uint32_t, 3> named{};
-        for (int k = 0; k < 3; ++k) {
-            const std::uint32_t index = drawn.indices[3 * i + std::size_t(k)];
-            ASSERT_EQ(index >> shared::LS_VERTEX_BITS, cluster);
-            named[k] =
-                f.meshletVertices[f.clusters[cluster].vertices + (index & shared::LS_VERTEX_MASK)];
-            corners[k] = f.corner(cluster, named[k]);
-        }
-        const GpuTriangle& t = f.triangles[f.clusters[cluster].triangles + triangle];
-        ASSERT_EQ(std::set({named[0], named[1], named[2]}), std::set({t.a, t.b, t.c}));
-
-        const std::array<glm::dvec3, 3> object{f.vertices[t.a].position, f.vertices[t.b].position,
-                                               f.vertices[t.c].position};
-        const glm::dmat3 linear(f.worldFromObject[f.clusters[cluster].instance]);
-        const glm::dvec3 outward = glm::transpose(glm::inverse(linear)) * crossOf(object);
-        ASSERT_GT(glm::dot(crossOf(corners), outward), 0) << "triangle " << i;
-        reflected += glm::determinant(linear) < 0;
-    }
-    EXPECT_GT(reflected, 1000);
+    EXPECT_EQ(next, 3 * drawn.ids.size());
 }
 
 TEST_F(CullTest, drawsNothingWhereTheCameraLooksAway) {
@@ -215,7 +182,7 @@ TEST_F(CullTest, drawsNothingWhereTheCameraLooksAway) {
     const Camera away{.eye = {0, 0, 12}, .at = {0, 0, 20}};
     const Drawn drawn = f.run(viewOf(away));
     EXPECT_TRUE(drawn.ids.empty());
-    for (const auto& draw : drawn.draws) EXPECT_EQ(draw.indexCount, 0u);
+    for (const auto& draw : drawn.draws) EXPECT_EQ(draw.vertexCount, 0u);
 }
 
 TEST_F(CullTest, keepsWhatLiesBeforeTheNearPlaneWhereAsked) {
@@ -332,7 +299,7 @@ TEST_F(CullTest, aSceneWithoutMeshesDrawsNothing) {
     Fixture f(device(), {});
     const Drawn drawn = f.run(viewOf({}));
     EXPECT_TRUE(drawn.ids.empty());
-    for (const auto& draw : drawn.draws) EXPECT_EQ(draw.indexCount, 0u);
+    for (const auto& draw : drawn.draws) EXPECT_EQ(draw.vertexCount, 0u);
 }
 
 }  // namespace

@@ -44,12 +44,12 @@ LS_NAMESPACE_END
 #define LS_VISIT_ALL(VISIT, p)                                                                   \
     VISIT(p.vertex.position) VISIT(p.vertex.normal)                                              \
     VISIT(p.attributes.uv) VISIT(p.attributes.tangent) VISIT(p.attributes.color)                 \
-    VISIT(p.triangle.a) VISIT(p.triangle.b) VISIT(p.triangle.c) VISIT(p.triangle.local)          \
+    VISIT(p.triangle.a) VISIT(p.triangle.b) VISIT(p.triangle.c) VISIT(p.triangle.unused)          \
     VISIT(p.meshlet.centre) VISIT(p.meshlet.radius) VISIT(p.meshlet.coneAxis)                    \
     VISIT(p.meshlet.coneCutoff)                                                                  \
     VISIT(p.cluster.instance) VISIT(p.cluster.meshlet) VISIT(p.cluster.triangles)                \
-    VISIT(p.cluster.vertices) VISIT(p.cluster.material) VISIT(p.cluster.triangleCount)           \
-    VISIT(p.cluster.unused0) VISIT(p.cluster.unused1)                                            \
+    VISIT(p.cluster.material) VISIT(p.cluster.triangleCount)           \
+    VISIT(p.cluster.unused0) VISIT(p.cluster.unused1) VISIT(p.cluster.unused2)                                            \
     VISIT(p.instance.row0) VISIT(p.instance.row1) VISIT(p.instance.row2)                         \
     VISIT(p.instance.maxScale) VISIT(p.instance.flags) VISIT(p.instance.unused0)                 \
     VISIT(p.instance.unused1)                                                                    \
@@ -71,7 +71,7 @@ LS_NAMESPACE_END
     LS_VISIT_5(VISIT, p.cullTriangles.binStarts)                                                 \
     LS_VISIT_3(VISIT, p.visible.groups) VISIT(p.visible.clusters)                                \
     LS_VISIT_5(VISIT, p.visible.binStarts)                                                       \
-    VISIT(p.capture.clipFromWorld) VISIT(p.capture.bin)                                          \
+    VISIT(p.capture.clipFromWorld)                                          \
     VISIT(p.view.clipFromWorld) VISIT(p.view.viewFromWorld) VISIT(p.view.eye)                    \
     VISIT(p.view.clipScale)                                                                      \
     VISIT(p.coarse.size) VISIT(p.coarse.fullSize) VISIT(p.coarse.rate)                           \

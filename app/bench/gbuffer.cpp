@@ -53,7 +53,7 @@ gpu::RasterPipeline makePipeline(const gpu::Device& device, const scene::SceneFe
              .cull = doubleSided ? vk::CullModeFlagBits::eNone : vk::CullModeFlagBits::eBack,
              .slots = scene::withSceneSlots({Slot::texelBuffer,
                                              {Slot::sampledImage, shared::LS_TEXTURE_ARRAYS},
-                                             Slot::texelBuffer}),
+                                             Slot::texelBuffer, Slot::texelBuffer}),
              .pushBytes = sizeof(shared::GBufferParams),
              .constants = {f.uvTransforms, masked, f.baseColorArrays, f.normalArrays,
                            f.metallicRoughnessArrays, f.occlusionShared ? 0 : f.occlusionArrays,
@@ -99,11 +99,11 @@ void GBuffer::record(gpu::Recorder& rec, const scene::GpuScene& scene,
     if (emits) target.colors.push_back(out.emissive);
     rec.beginRendering(target);
     const auto bindings = scene::withScene(
-        scene, {scene.materials, {scene.textureViews(), sampler}, scene.secondUvs});
+        scene, {scene.materials, {scene.textureViews(), sampler}, scene.secondUvs, list.ids});
     for (std::uint32_t bin = 0; bin < scene::kDrawBins; ++bin) {
         if (scene.binStarts()[bin] == scene.binStarts()[bin + 1]) continue;
-        rec.drawIndexedIndirect(pipelines[bin], list.indices, list.draws,
-                                bin * sizeof(vk::DrawIndexedIndirectCommand), bindings, params);
+        rec.drawIndirect(pipelines[bin], list.draws, bin * sizeof(vk::DrawIndirectCommand),
+                         bindings, params);
     }
     rec.endRendering();
 }

@@ -3,8 +3,8 @@
 #extension GL_GOOGLE_include_directive : require
 #include "gbuffer_params.h"
 #include <lodestar/shared/octahedral.h>
-#define LS_MATERIAL_BINDING 7
-#define LS_TEXTURE_BINDING 8
+#define LS_MATERIAL_BINDING 6
+#define LS_TEXTURE_BINDING 7
 #include <lodestar/scene/material.glsl>
 
 // What visibility/rebuild.comp writes, by the raster pipeline: interpolated by hardware, texture

@@ -7,7 +7,8 @@
 layout(constant_id = 0) const uint kUvTransforms = 1;
 layout(constant_id = 3) const uint kNormalArrays = 255;
 
-layout(binding = 9) uniform samplerBuffer secondUvs;
+layout(binding = 8) uniform samplerBuffer secondUvs;
+layout(binding = 9) uniform usamplerBuffer ids;
 layout(push_constant, scalar) uniform Push { GBufferParams params; };
 
 layout(location = 0) out vec2 uv0;
@@ -19,12 +20,12 @@ layout(location = 5) flat out float handedness;
 layout(location = 6) flat out uint materialIndex;
 
 void main() {
-    const uint index = uint(gl_VertexIndex);
-    const GpuCluster cluster = loadCluster(index >> LS_VERTEX_BITS);
-    const uint number = loadMeshletVertex(cluster.vertices + (index & LS_VERTEX_MASK));
+    const uint id = texelFetch(ids, gl_VertexIndex / 3).x;
+    const GpuCluster cluster = loadCluster(id >> LS_TRIANGLE_BITS);
+    const GpuInstance instance = loadInstance(cluster.instance);
+    const uint number = cornerVertex(cluster, instance, id, uint(gl_VertexIndex % 3));
     const GpuVertex vertex = loadVertex(number);
     const GpuVertexAttributes attributes = loadAttributes(number);
-    const GpuInstance instance = loadInstance(cluster.instance);
     gl_Position = params.clipFromWorld * vec4(transformPoint(instance, vertex.position), 1);
     uv0 = attributes.uv;
     color = unpackUnorm4x8(attributes.color);

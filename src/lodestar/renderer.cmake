@@ -25,7 +25,7 @@ add_library(lodestar STATIC
 add_library(lodestar::lodestar ALIAS lodestar)
 target_link_libraries(lodestar PUBLIC lodestar_cpu Vulkan::Vulkan PRIVATE lodestar_flags)
 # vulkan_raii.hpp costs seconds a file; every Vulkan target reuses this one.
-target_precompile_headers(lodestar PUBLIC gpu/vulkan.hpp)
+target_precompile_headers(lodestar PRIVATE gpu/vulkan.hpp)
 lodestar_shaders(lodestar
     gpu/prefix_sum.comp
     geometry/compact.comp

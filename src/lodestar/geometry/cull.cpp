@@ -55,9 +55,8 @@ DrawList::DrawList(const gpu::Device& device, const scene::GpuScene& scene, cons
       masks(device, name + ": triangle masks", 16ull * scene.clusterCount()),
       triangleOffsets(device, name + ": triangle offsets",
                       4ull * gpu::PrefixSum::bufferLength(scene.clusterCount() + 1)),
-      indices(device, name + ": indices", 12ull * scene.triangleCount()),
       ids(device, name + ": triangle ids", 4ull * scene.triangleCount(), vk::Format::eR32Uint),
-      draws(device, name + ": draws", scene::kDrawBins * sizeof(vk::DrawIndexedIndirectCommand)) {}
+      draws(device, name + ": draws", scene::kDrawBins * sizeof(vk::DrawIndirectCommand)) {}
 
 Cull::Cull(const gpu::Device& device)
     : clusters(device, "cull clusters", kClustersCode, scene::withSceneSlots(storageSlots(1)),
@@ -66,7 +65,7 @@ Cull::Cull(const gpu::Device& device)
               sizeof(shared::CompactParams)),
       triangles(device, "cull triangles", kTrianglesCode, scene::withSceneSlots(storageSlots(4)),
                 sizeof(shared::CullTrianglesParams)),
-      emit(device, "emit", kEmitCode, scene::withSceneSlots(storageSlots(7))),
+      emit(device, "emit", kEmitCode, storageSlots(6)),
       prefixSum(device) {}
 
 void Cull::record(gpu::Recorder& rec, const scene::GpuScene& scene, const CullView& view,
@@ -99,10 +98,9 @@ void Cull::record(gpu::Recorder& rec, const scene::GpuScene& scene, const CullVi
     rec.barrier(Stage::compute, Stage::compute);
     prefixSum.record(rec, list.triangleOffsets, count + 1);
 
-    rec.dispatchIndirect(
-        emit, list.counts,
-        scene::withScene(scene, {list.visible, list.counts, list.masks, list.triangleOffsets,
-                                 list.indices, list.ids.buffer(), list.draws}));
+    rec.dispatchIndirect(emit, list.counts,
+                         {list.visible, list.counts, list.masks, list.triangleOffsets,
+                          list.ids.buffer(), list.draws});
 }
 
 }  // namespace lodestar::geometry

@@ -15,7 +15,7 @@ struct CullView {
     bool keepBeforeNear = false;  ///< do not cull what lies before the near plane (shadow casters)
 };
 
-/// The triangles of one view, ready to draw: an index and id list in cluster order, and one
+/// The triangles of one view, ready to draw: their ids in cluster order, and one
 /// indirect draw a bin. Deterministic: the same view gives the same bytes.
 struct DrawList {
     DrawList(const gpu::Device&, const scene::GpuScene&, const std::string& name);
@@ -25,9 +25,8 @@ struct DrawList {
     gpu::Buffer counts;           ///< shared::VisibleCounts
     gpu::Buffer masks;            ///< of each visible cluster: a bit for each triangle kept
     gpu::Buffer triangleOffsets;  ///< triangles before each visible cluster
-    gpu::Buffer indices;          ///< cluster << 6 | meshlet vertex, three a triangle
     gpu::TexelBuffer ids;         ///< cluster << 7 | meshlet triangle
-    gpu::Buffer draws;            ///< vk::DrawIndexedIndirectCommand for each scene::DrawBin
+    gpu::Buffer draws;            ///< vk::DrawIndirectCommand for each scene::DrawBin
 };
 
 /// Culling on the GPU without read-back: clusters by frustum and normal cone, then the triangles of

@@ -7,7 +7,7 @@
 // away, else 0.
 layout(local_size_x = 64) in;
 
-layout(binding = 7, scalar) writeonly buffer Flags { uint flags[]; };
+layout(binding = 6, scalar) writeonly buffer Flags { uint flags[]; };
 layout(push_constant, scalar) uniform Push { CullClustersParams params; };
 
 void main() {

@@ -8,10 +8,10 @@
 // cost more than the test.
 layout(local_size_x = LS_CULL_GROUP) in;
 
-layout(binding = 7, scalar) readonly buffer Visible { uint visible[]; };
-layout(binding = 8, scalar) readonly buffer Counts { VisibleCounts counts; };
-layout(binding = 9, scalar) buffer Masks { uint masks[]; };  // four words a cluster
-layout(binding = 10, scalar) buffer Triangles { uint triangleCounts[]; };
+layout(binding = 6, scalar) readonly buffer Visible { uint visible[]; };
+layout(binding = 7, scalar) readonly buffer Counts { VisibleCounts counts; };
+layout(binding = 8, scalar) buffer Masks { uint masks[]; };  // four words a cluster
+layout(binding = 9, scalar) buffer Triangles { uint triangleCounts[]; };
 layout(push_constant, scalar) uniform Push { CullTrianglesParams params; };
 
 // Rasterisers snap vertices to a grid of at least 1/16 pixel (commonly 1/256); what is decided here

@@ -15,7 +15,7 @@ Buffer::Buffer(const Device& owner, std::string name, std::uint64_t bytes, Resid
     buffer = vk::raii::Buffer(
         owner.vk(), vk::BufferCreateInfo{.size = size,
                                          .usage = Usage::eStorageBuffer | Usage::eUniformBuffer |
-                                                  Usage::eUniformTexelBuffer | Usage::eIndexBuffer |
+                                                  Usage::eUniformTexelBuffer |
                                                   Usage::eIndirectBuffer | Usage::eTransferSrc |
                                                   Usage::eTransferDst});
     using Memory = vk::MemoryPropertyFlagBits;

@@ -103,8 +103,6 @@ struct RequiredFeature {
 };
 
 constexpr RequiredFeature kRequiredFeatures[] = {
-    {"geometryShader (for gl_PrimitiveID)",
-     [](const Features& f) -> VkBool32& { return f.core.geometryShader; }},
     {"depthClamp", [](const Features& f) -> VkBool32& { return f.core.depthClamp; }},
     {"scalarBlockLayout", [](const Features& f) -> VkBool32& { return f.v12.scalarBlockLayout; }},
     {"synchronization2", [](const Features& f) -> VkBool32& { return f.v13.synchronization2; }},

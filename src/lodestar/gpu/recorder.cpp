@@ -20,9 +20,9 @@ StageAccess accessOf(Stage stage) {
                     A::eShaderStorageRead | A::eShaderSampledRead | A::eUniformRead,
                     A::eShaderStorageWrite};
         case Stage::raster:
-            return {S::eIndexInput | S::eVertexShader | S::eFragmentShader |
+            return {S::eVertexShader | S::eFragmentShader |
                         S::eEarlyFragmentTests | S::eLateFragmentTests | S::eColorAttachmentOutput,
-                    A::eIndexRead | A::eShaderStorageRead | A::eShaderSampledRead |
+                    A::eShaderStorageRead | A::eShaderSampledRead |
                         A::eUniformRead | A::eDepthStencilAttachmentRead | A::eColorAttachmentRead |
                         A::eDepthStencilAttachmentWrite | A::eColorAttachmentWrite,
                     A::eDepthStencilAttachmentWrite | A::eColorAttachmentWrite};
@@ -137,13 +137,10 @@ void Recorder::endRendering() {
     commands.endRendering();
 }
 
-void Recorder::drawBytes(const RasterPipeline& pipeline, const Buffer& indices,
-                         const Buffer& indirect, std::uint64_t offset,
-                         const std::vector<Binding>& bindings, std::span<const std::byte> params) {
+void Recorder::bind(const RasterPipeline& pipeline, const std::vector<Binding>& bindings,
+                    std::span<const std::byte> params) {
     commands.bindPipeline(vk::PipelineBindPoint::eGraphics, *pipeline.pipeline());
     pipeline.layout().push(commands, vk::PipelineBindPoint::eGraphics, bindings, params);
-    commands.bindIndexBuffer(indices.vk(), 0, vk::IndexType::eUint32);
-    commands.drawIndexedIndirect(indirect.vk(), offset, 1, sizeof(vk::DrawIndexedIndirectCommand));
 }
 
 void Recorder::fill(const Buffer& buffer, std::uint32_t value) {

@@ -82,12 +82,12 @@ public:
     };
     void beginRendering(const Target&);
     void endRendering();
+    /// One draw, a vk::DrawIndirectCommand at `offset` of `commands`.
     template <typename Params>
-    void drawIndexedIndirect(const RasterPipeline& pipeline, const Buffer& indices,
-                             const Buffer& commands, std::uint64_t offset,
-                             const std::vector<Binding>& bindings, const Params& params) {
-        drawBytes(pipeline, indices, commands, offset, bindings,
-                  std::as_bytes(std::span(&params, 1)));
+    void drawIndirect(const RasterPipeline& pipeline, const Buffer& draws, std::uint64_t offset,
+                      const std::vector<Binding>& bindings, const Params& params) {
+        bind(pipeline, bindings, std::as_bytes(std::span(&params, 1)));
+        commands.drawIndirect(draws.vk(), offset, 1, sizeof(vk::DrawIndirectCommand));
     }
 
     void fill(const Buffer&, std::uint32_t value);
@@ -98,8 +98,8 @@ public:
 
 private:
     void bind(const Kernel&, const std::vector<Binding>&, std::span<const std::byte> params);
-    void drawBytes(const RasterPipeline&, const Buffer&, const Buffer&, std::uint64_t,
-                   const std::vector<Binding>&, std::span<const std::byte>);
+    void bind(const RasterPipeline&, const std::vector<Binding>&,
+              std::span<const std::byte> params);
     void timestamp();
     void endPass();
 

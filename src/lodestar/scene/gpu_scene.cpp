@@ -27,7 +27,6 @@ struct GpuScene::Packed {
     std::vector<GpuVertexAttributes> attributes;
     std::vector<glm::vec2> secondUvs;
     std::vector<GpuTriangle> triangles;
-    std::vector<std::uint32_t> meshletVertices;
     std::vector<GpuMeshlet> meshlets;
     std::vector<GpuCluster> clusters;
     std::vector<GpuMaterialRecord> materials;
@@ -171,18 +170,15 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene,
                   clusterOf.push_back(
                       {.meshlet = static_cast<std::uint32_t>(packed.meshlets.size()),
                        .triangles = static_cast<std::uint32_t>(packed.triangles.size()),
-                       .vertices = static_cast<std::uint32_t>(packed.meshletVertices.size()),
                        .material = mesh.material,
                        .triangleCount = m.triangleCount});
                   packed.meshlets.push_back({m.centre, m.radius, m.coneAxis, coneCutoff(m)});
                   const std::uint32_t* local = &set.vertices[m.vertexOffset];
-                  for (std::uint32_t i = 0; i < m.vertexCount; ++i)
-                      packed.meshletVertices.push_back(firstVertex + local[i]);
                   for (std::uint32_t i = 0; i < m.triangleCount; ++i) {
                       const std::uint32_t t = set.triangles[m.triangleOffset + i];
                       packed.triangles.push_back({firstVertex + local[t & 255],
                                                   firstVertex + local[t >> 8 & 255],
-                                                  firstVertex + local[t >> 16 & 255], t});
+                                                  firstVertex + local[t >> 16 & 255], 0});
                   }
               }
           }
@@ -218,8 +214,6 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene, Packed&& packe
     : vertices(gpu::makeTexelBuffer(device, "vertices", packed.vertices, kWords)),
       attributes(gpu::makeTexelBuffer(device, "attributes", packed.attributes, kWords)),
       triangles(gpu::makeTexelBuffer(device, "triangles", packed.triangles, kWords)),
-      meshletVertices(gpu::makeTexelBuffer(device, "meshlet vertices", packed.meshletVertices,
-                                           vk::Format::eR32Uint)),
       meshlets(gpu::makeTexelBuffer(device, "meshlets", packed.meshlets, kWords)),
       instances(device, "instances", scene.instances.size() * sizeof(GpuInstance), kWords),
       clusters(gpu::makeTexelBuffer(device, "clusters", packed.clusters, kWords)),

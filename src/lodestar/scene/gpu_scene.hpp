@@ -59,7 +59,7 @@ public:
     const std::array<std::uint32_t, kDrawBins + 1>& binStarts() const { return bins; }
     std::uint32_t lightCount() const { return lightsUsed; }
 
-    gpu::TexelBuffer vertices, attributes, triangles, meshletVertices, meshlets, instances,
+    gpu::TexelBuffer vertices, attributes, triangles, meshlets, instances,
         clusters,
         materials;               ///< the records of gpu_types.h
     gpu::TexelBuffer secondUvs;  ///< vec2 a vertex; a dummy where no material uses them

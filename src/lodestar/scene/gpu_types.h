@@ -12,9 +12,6 @@ const uint LS_TEXTURE_ARRAYS = 8u;
 // A visible triangle: cluster << 7 | triangle of its meshlet; 0 = background (cluster 0 is unused).
 const uint LS_TRIANGLE_BITS = 7u;
 const uint LS_TRIANGLE_MASK = 127u;
-// An index for the raster pipeline: cluster << 6 | vertex of its meshlet.
-const uint LS_VERTEX_BITS = 6u;
-const uint LS_VERTEX_MASK = 63u;
 
 /// What a ray needs to meet the surface.
 struct GpuVertex {
@@ -32,7 +29,7 @@ struct GpuVertexAttributes {
 /// Vertices of one stored triangle, in the order of the mesh.
 struct GpuTriangle {
     uint a, b, c;
-    uint local;  // the same three as vertices of the meshlet: a | b << 8 | c << 16
+    uint unused;
 };
 
 struct GpuMeshlet {
@@ -47,10 +44,9 @@ struct GpuCluster {
     uint instance;
     uint meshlet;
     uint triangles;  // first of its GpuTriangles
-    uint vertices;   // first of its meshlet vertices
     uint material;
     uint triangleCount;
-    uint unused0, unused1;
+    uint unused0, unused1, unused2;
 };
 
 const uint LS_INSTANCE_REFLECTED = 1u;   // negative determinant: the winding turns around

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
-// The scene's geometry, bound at 0 … 6 (scene_bindings.hpp).
+// The scene's geometry, bound at 0 … 5 (scene_bindings.hpp).
 #ifndef LS_SCENE_GLSL
 #define LS_SCENE_GLSL
 #include "gpu_types.h"
@@ -8,10 +8,9 @@
 layout(binding = 0) uniform usamplerBuffer sceneVertices;
 layout(binding = 1) uniform usamplerBuffer sceneAttributes;
 layout(binding = 2) uniform usamplerBuffer sceneTriangles;
-layout(binding = 3) uniform usamplerBuffer sceneMeshletVertices;
-layout(binding = 4) uniform usamplerBuffer sceneMeshlets;
-layout(binding = 5) uniform usamplerBuffer sceneInstances;
-layout(binding = 6) uniform usamplerBuffer sceneClusters;
+layout(binding = 3) uniform usamplerBuffer sceneMeshlets;
+layout(binding = 4) uniform usamplerBuffer sceneInstances;
+layout(binding = 5) uniform usamplerBuffer sceneClusters;
 
 GpuVertex loadVertex(uint index) {
     const uvec4 w = texelFetch(sceneVertices, int(index));
@@ -27,8 +26,6 @@ GpuTriangle loadStoredTriangle(uint index) {
     const uvec4 w = texelFetch(sceneTriangles, int(index));
     return GpuTriangle(w.x, w.y, w.z, w.w);
 }
-
-uint loadMeshletVertex(uint index) { return texelFetch(sceneMeshletVertices, int(index)).x; }
 
 GpuMeshlet loadMeshlet(uint index) {
     const vec4 sphere = uintBitsToFloat(texelFetch(sceneMeshlets, int(2 * index)));
@@ -48,7 +45,7 @@ GpuInstance loadInstance(uint index) {
 GpuCluster loadCluster(uint index) {
     const uvec4 a = texelFetch(sceneClusters, int(2 * index));
     const uvec4 b = texelFetch(sceneClusters, int(2 * index + 1));
-    return GpuCluster(a.x, a.y, a.z, a.w, b.x, b.y, 0, 0);
+    return GpuCluster(a.x, a.y, a.z, a.w, b.x, 0, 0, 0);
 }
 
 vec3 transformPoint(GpuInstance instance, vec3 p) {
@@ -66,6 +63,15 @@ vec3 transformNormal(GpuInstance instance, vec3 n) {
     const vec3 a = instance.row0.xyz, b = instance.row1.xyz, c = instance.row2.xyz;
     const vec3 m = vec3(dot(cross(b, c), n), dot(cross(c, a), n), dot(cross(a, b), n));
     return (instance.flags & LS_INSTANCE_REFLECTED) != 0 ? -m : m;
+}
+
+/// Which vertex a corner (0, 1, 2) of a listed triangle is. Corners go counter-clockwise seen from
+/// outside, also where the instance is a mirror image.
+uint cornerVertex(GpuCluster cluster, GpuInstance instance, uint id, uint corner) {
+    const GpuTriangle t = loadStoredTriangle(cluster.triangles + (id & LS_TRIANGLE_MASK));
+    const bool reflected = (instance.flags & LS_INSTANCE_REFLECTED) != 0;
+    if (corner == 0) return t.a;
+    return (corner == 1) != reflected ? t.b : t.c;
 }
 
 #endif

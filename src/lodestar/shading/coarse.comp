@@ -13,13 +13,13 @@ layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(constant_id = 0) const uint kFullRate = 0;  // 1: S is O, write the terms alone
 
-layout(binding = 7, scalar) uniform View { ViewParams view; };
-layout(binding = 8, scalar) uniform Light { LightParams light; };
-layout(binding = 9) uniform usampler2D ids;
-layout(binding = 10) uniform sampler2D shadowMap;
+layout(binding = 6, scalar) uniform View { ViewParams view; };
+layout(binding = 7, scalar) uniform Light { LightParams light; };
+layout(binding = 8) uniform usampler2D ids;
+layout(binding = 9) uniform sampler2D shadowMap;
 // One binding, of which the constant picks the reading.
-layout(binding = 11, rgba32ui) writeonly uniform uimage2D outCoarse;
-layout(binding = 11, rgba16f) writeonly uniform image2D outTerms;
+layout(binding = 10, rgba32ui) writeonly uniform uimage2D outCoarse;
+layout(binding = 10, rgba16f) writeonly uniform image2D outTerms;
 layout(push_constant, scalar) uniform Push { CoarseParams params; };
 
 void write(ivec2 texel, vec4 terms, vec3 viewNormal, float depth) {

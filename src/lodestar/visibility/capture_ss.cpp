@@ -27,9 +27,7 @@ gpu::RasterPipeline makePipeline(const gpu::Device& device, const scene::SceneFe
         .vertex = kVertexCode,
         .cull = doubleSided ? vk::CullModeFlagBits::eNone : vk::CullModeFlagBits::eBack,
         .depthClamp = !ids,
-        .slots = scene::withSceneSlots({Slot::texelBuffer,
-                                        Slot::storageBuffer,
-                                        Slot::texelBuffer,
+        .slots = scene::withSceneSlots({Slot::texelBuffer, Slot::texelBuffer,
                                         {Slot::sampledImage, shared::LS_TEXTURE_ARRAYS},
                                         Slot::texelBuffer}),
         .pushBytes = sizeof(shared::CaptureParams),
@@ -67,12 +65,11 @@ void CaptureSs::record(gpu::Recorder& rec, const scene::GpuScene& scene,
     rec.beginRendering(attachments);
     const auto bindings = scene::withScene(
         scene,
-        {list.ids, list.draws, scene.materials, {scene.textureViews(), sampler}, scene.secondUvs});
+        {list.ids, scene.materials, {scene.textureViews(), sampler}, scene.secondUvs});
     for (std::uint32_t bin = 0; bin < scene::kDrawBins; ++bin) {
         if (scene.binStarts()[bin] == scene.binStarts()[bin + 1]) continue;
-        rec.drawIndexedIndirect(pipelines[bin], list.indices, list.draws,
-                                bin * sizeof(vk::DrawIndexedIndirectCommand), bindings,
-                                shared::CaptureParams{clipFromWorld, bin});
+        rec.drawIndirect(pipelines[bin], list.draws, bin * sizeof(vk::DrawIndirectCommand), bindings,
+                         shared::CaptureParams{clipFromWorld});
     }
     rec.endRendering();
 }

@@ -1,33 +1,21 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
 #include "../scene/scene.glsl"
-#include "capture_ss_params.h"
-#define LS_MATERIAL_BINDING 9
-#define LS_TEXTURE_BINDING 10
+#define LS_MATERIAL_BINDING 7
+#define LS_TEXTURE_BINDING 8
 #include "../scene/material.glsl"
 
 layout(constant_id = 1) const uint kMasked = 0;
 layout(constant_id = 2) const uint kWriteId = 1;
 layout(constant_id = 3) const uint kBaseColorArrays = 255;
 
-struct DrawCommand {
-    uint indexCount, instanceCount, firstIndex;
-    int vertexOffset;
-    uint firstInstance;
-};
-
-layout(binding = 7) uniform usamplerBuffer ids;
-layout(binding = 8, scalar) readonly buffer Draws { DrawCommand draws[4]; };
-layout(push_constant, scalar) uniform Push { CaptureParams params; };
-
-layout(location = 0) in vec2 uv0;
-layout(location = 1) in vec2 uv1;
-layout(location = 2) in float alpha;
+layout(location = 0) flat in uint id;
+layout(location = 1) in vec2 uv0;
+layout(location = 2) in vec2 uv1;
+layout(location = 3) in float alpha;
 layout(location = 0) out uint outId;
 
 void main() {
-    const uint first = draws[params.bin].firstIndex / 3;
-    const uint id = texelFetch(ids, int(first + uint(gl_PrimitiveID))).x;
     if (kMasked != 0) {
         TexturePlace place;
         place.set0 = TexturePoint(uv0, dFdx(uv0), dFdy(uv0));

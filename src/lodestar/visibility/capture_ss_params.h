@@ -6,7 +6,6 @@ LS_NAMESPACE_BEGIN
 
 struct CaptureParams {
     mat4 clipFromWorld;
-    uint bin;  // scene::DrawBin
 };
 
 LS_NAMESPACE_END

@@ -2,8 +2,8 @@
 #version 460
 #include "triangle.glsl"
 #include "view_params.h"
-#define LS_MATERIAL_BINDING 13
-#define LS_TEXTURE_BINDING 14
+#define LS_MATERIAL_BINDING 12
+#define LS_TEXTURE_BINDING 13
 #include "../scene/material.glsl"
 
 // From triangle ids to surface attributes, one thread a pixel of grid O.
@@ -18,13 +18,13 @@ layout(constant_id = 5) const uint kEmissiveArrays = 255;
 layout(constant_id = 6) const uint kOcclusionShared = 0;  // r of the metallic-roughness texture
 layout(constant_id = 7) const uint kEmissive = 1;
 
-layout(binding = 7, scalar) uniform View { ViewParams view; };
-layout(binding = 8) uniform usampler2D ids;
-layout(binding = 9, r32f) writeonly uniform image2D outDepth;
-layout(binding = 10, r32ui) writeonly uniform uimage2D outNormal;
-layout(binding = 11, rgba32ui) writeonly uniform uimage2D outMaterial;
-layout(binding = 12, rgba16f) writeonly uniform image2D outEmissive;
-layout(binding = 15) uniform samplerBuffer secondUvs;
+layout(binding = 6, scalar) uniform View { ViewParams view; };
+layout(binding = 7) uniform usampler2D ids;
+layout(binding = 8, r32f) writeonly uniform image2D outDepth;
+layout(binding = 9, r32ui) writeonly uniform uimage2D outNormal;
+layout(binding = 10, rgba32ui) writeonly uniform uimage2D outMaterial;
+layout(binding = 11, rgba16f) writeonly uniform image2D outEmissive;
+layout(binding = 14) uniform samplerBuffer secondUvs;
 
 TexturePoint interpolate(vec2 a, vec2 b, vec2 c, vec3 at, vec3 dx, vec3 dy) {
     return TexturePoint(a * at.x + b * at.y + c * at.z, a * dx.x + b * dx.y + c * dx.z,
