@@ -120,11 +120,13 @@ public:
 
         gpu::Recorder rec(device);
         rec.begin();
-        cull.record(
-            rec, gpuScene,
-            {.clipFromWorld = sun.clipFromWorld, .perspective = false, .keepBeforeNear = true},
-            sunList);
-        cull.record(rec, gpuScene, {clipFromWorld, camera.eye}, eyeList);
+        cull.record(rec, gpuScene,
+                    {.clipFromWorld = sun.clipFromWorld,
+                     .size = map.extent(),
+                     .perspective = false,
+                     .keepBeforeNear = true},
+                    sunList);
+        cull.record(rec, gpuScene, {clipFromWorld, camera.eye, size}, eyeList);
         rec.barrier(Stage::compute, Stage::raster);
         rec.barrier(Stage::compute, Stage::indirect);
         shadowCapture.record(rec, gpuScene, sunList, sun.clipFromWorld, {{}, map}, "shadow map");

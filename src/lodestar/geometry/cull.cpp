@@ -70,6 +70,8 @@ Cull::Cull(const gpu::Device& device)
 
 void Cull::record(gpu::Recorder& rec, const scene::GpuScene& scene, const CullView& view,
                   DrawList& list) const {
+    if (view.size.width == 0 || view.size.height == 0)
+        throw std::invalid_argument("CullView::size is 0");
     const auto pass = rec.pass("cull");
     const std::uint32_t count = scene.clusterCount();
     const vk::Extent3D oneAThread{gpu::groups(count + 1, 64), 1, 1};

@@ -36,6 +36,7 @@ public:
     explicit Cull(const gpu::Device&);
 
     /// Writes `list`, visible to compute; the caller makes it visible to raster and indirect.
+    /// Throws std::invalid_argument for a view without a size.
     void record(gpu::Recorder&, const scene::GpuScene&, const CullView&, DrawList& list) const;
 
 private:
