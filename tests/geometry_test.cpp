@@ -110,7 +110,7 @@ CullView wholeScene(const scene::Bounds& bounds) {
     glm::mat4 clip = glm::scale(glm::mat4(1), {r, r, r / 2});
     clip = glm::translate(clip, -bounds.centre());
     clip[3][2] += 0.5f;
-    return {.clipFromWorld = clip, .size = {16384, 16384}, .perspective = false};
+    return {.clipFromWorld = clip, .size = {1 << 20, 1 << 20}, .perspective = false};
 }
 
 constexpr vk::Extent2D kSize{48, 32};
