@@ -41,109 +41,51 @@ LS_NAMESPACE_END
 // Calls VISIT for every field, in the order of declaration. An array is visited entry by entry.
 #define LS_VISIT_3(VISIT, a) VISIT(a[0]) VISIT(a[1]) VISIT(a[2])
 #define LS_VISIT_5(VISIT, a) LS_VISIT_3(VISIT, a) VISIT(a[3]) VISIT(a[4])
-#define LS_VISIT_ALL(VISIT, p)                                                                                                                    \
-    VISIT(p.vertex.position)                                                                                                                      \
-    VISIT(p.vertex.normal) VISIT(p.attributes.uv) VISIT(p.attributes.tangent) VISIT(                                                              \
-        p.attributes.color) VISIT(p.triangle.a) VISIT(p.triangle.b) VISIT(p.triangle.c)                                                           \
-        VISIT(p.triangle.unused) VISIT(p.meshlet.centre) VISIT(p.meshlet.radius) VISIT(                                                           \
-            p.meshlet.coneAxis) VISIT(p.meshlet.coneCutoff) VISIT(p.cluster.instance)                                                             \
-            VISIT(p.cluster.meshlet) VISIT(p.cluster.triangles) VISIT(p.cluster.material) VISIT(                                                  \
-                p.cluster.triangleCount) VISIT(p.cluster.unused0) VISIT(p.cluster.unused1)                                                        \
-                VISIT(p.cluster.unused2) VISIT(p.instance.row0) VISIT(p.instance.row1) VISIT(                                                     \
-                    p.instance.row2) VISIT(p.instance.maxScale) VISIT(p.instance.flags)                                                           \
-                    VISIT(p.instance.unused0) VISIT(p.instance.unused1) VISIT(                                                                    \
-                        p.material.baseColor) VISIT(p.material.emissive) VISIT(p.material.flags)                                                  \
-                        VISIT(p.material.metallic) VISIT(p.material.roughness) VISIT(                                                             \
-                            p.material.normalScale) VISIT(p.material.occlusionStrength)                                                           \
-                            VISIT(p.material.baseColorTexture) VISIT(                                                                             \
-                                p.material                                                                                                        \
-                                    .normalTexture) VISIT(p.material.metallicRoughnessTexture)                                                    \
-                                VISIT(p.material.occlusionTexture) VISIT(                                                                         \
-                                    p.material                                                                                                    \
-                                        .emissiveTexture) VISIT(p.material.alphaCutoff)                                                           \
-                                    VISIT(p.material.unused0) VISIT(p.material.unused1) VISIT(                                                    \
-                                        p.textureTransform                                                                                        \
-                                            .uRow) VISIT(p.textureTransform.vRow)                                                                 \
-                                        VISIT(p.punctual.position) VISIT(p.punctual.range) VISIT(                                                 \
-                                            p.punctual                                                                                            \
-                                                .color)                                                                                           \
-                                            VISIT(p.punctual.kind) VISIT(p.punctual.direction) VISIT(                                             \
-                                                p.punctual                                                                                        \
-                                                    .coneScale) VISIT(p.punctual.coneOffset)                                                      \
-                                                VISIT(p.prefixSum.count) VISIT(                                                                   \
-                                                    p.prefixSum                                                                                   \
-                                                        .source) VISIT(p.prefixSum.blockTotals)                                                   \
-                                                    LS_VISIT_5(VISIT, p.cullClusters.planes) VISIT(                                               \
-                                                        p.cullClusters                                                                            \
-                                                            .eye) VISIT(p.cullClusters.clusterCount)                                              \
-                                                        VISIT(p.cullClusters.useCones) LS_VISIT_5(                                                \
-                                                            VISIT, p                                                                              \
-                                                                       .compact                                                                   \
-                                                                       .binStarts) VISIT(p.cullTriangles                                          \
-                                                                                             .clipFromWorld)                                      \
-                                                            VISIT(p.cullTriangles.size) LS_VISIT_5(                                               \
-                                                                VISIT, p                                                                          \
-                                                                           .cullTriangles                                                         \
-                                                                           .binStarts) LS_VISIT_3(VISIT, p.visible                                \
-                                                                                                             .groups) VISIT(p.visible             \
-                                                                                                                                .clusters)        \
-                                                                LS_VISIT_5(VISIT, p.visible.binStarts) VISIT(                                     \
-                                                                    p.capture.clipFromWorld) VISIT(p.view                                         \
-                                                                                                       .clipFromWorld) VISIT(p.view               \
-                                                                                                                                 .viewFromWorld)  \
-                                                                    VISIT(p.view.eye) VISIT(                                                      \
-                                                                        p                                                                         \
-                                                                            .view.clipScale) VISIT(p.coarse                                       \
-                                                                                                       .size)                                     \
-                                                                        VISIT(p.coarse.fullSize) VISIT(                                           \
-                                                                            p.coarse                                                              \
-                                                                                .rate) VISIT(p.light                                              \
-                                                                                                 .toSun)                                          \
-                                                                            VISIT(p.light.sunIlluminance) LS_VISIT_5(                             \
-                                                                                VISIT,                                                            \
-                                                                                p                                                                 \
-                                                                                    .light.irradiance) VISIT(p.light                              \
-                                                                                                                 .irradiance[5])                  \
-                                                                                VISIT(p.light.irradiance[6]) VISIT(                               \
-                                                                                    p.light.irradiance                                            \
-                                                                                        [7])                                                      \
-                                                                                    VISIT(p.light.irradiance[8]) LS_VISIT_3(                      \
-                                                                                        VISIT,                                                    \
-                                                                                        p.light                                                   \
-                                                                                            .irradianceSlope) VISIT(p.light                       \
-                                                                                                                        .shadowFromWorld)         \
-                                                                                        VISIT(                                                    \
-                                                                                            p.light                                               \
-                                                                                                .shadowRight)                                     \
-                                                                                            VISIT(                                                \
-                                                                                                p.light                                           \
-                                                                                                    .shadowUp) VISIT(p.light                      \
-                                                                                                                         .shadowTexel)            \
-                                                                                                VISIT(                                            \
-                                                                                                    p.light                                       \
-                                                                                                        .shadowDepthScale) VISIT(p.light          \
-                                                                                                                                     .shadowTaps) \
-                                                                                                    VISIT(                                        \
-                                                                                                        p.light                                   \
-                                                                                                            .lightCount) VISIT(p.light            \
-                                                                                                                                   .skyLevels)    \
-                                                                                                        VISIT(                                    \
-                                                                                                            p.light                               \
-                                                                                                                .exposure)                        \
-                                                                                                            VISIT(                                \
-                                                                                                                p.upsample                        \
-                                                                                                                    .size)                        \
-                                                                                                                VISIT(                            \
-                                                                                                                    p.upsample                    \
-                                                                                                                        .inverseRate)             \
-                                                                                                                    VISIT(                        \
-                                                                                                                        p.upsample                \
-                                                                                                                            .depthFalloff)        \
-                                                                                                                        VISIT(                    \
-                                                                                                                            p.upsample            \
-                                                                                                                                .normalFalloff)   \
-                                                                                                                            VISIT(                \
-                                                                                                                                p.tonemap         \
-                                                                                                                                    .exposure)
+// clang-format off
+#define LS_VISIT_ALL(VISIT, p) \
+    VISIT(p.vertex.position) VISIT(p.vertex.normal) \
+    VISIT(p.attributes.uv) VISIT(p.attributes.tangent) VISIT(p.attributes.color) \
+    VISIT(p.triangle.a) VISIT(p.triangle.b) VISIT(p.triangle.c) VISIT(p.triangle.unused) \
+    VISIT(p.meshlet.centre) VISIT(p.meshlet.radius) VISIT(p.meshlet.coneAxis) \
+    VISIT(p.meshlet.coneCutoff) \
+    VISIT(p.cluster.instance) VISIT(p.cluster.meshlet) VISIT(p.cluster.triangles) \
+    VISIT(p.cluster.material) VISIT(p.cluster.triangleCount) \
+    VISIT(p.cluster.unused0) VISIT(p.cluster.unused1) VISIT(p.cluster.unused2) \
+    VISIT(p.instance.row0) VISIT(p.instance.row1) VISIT(p.instance.row2) \
+    VISIT(p.instance.maxScale) VISIT(p.instance.flags) VISIT(p.instance.unused0) \
+    VISIT(p.instance.unused1) \
+    VISIT(p.material.baseColor) VISIT(p.material.emissive) VISIT(p.material.flags) \
+    VISIT(p.material.metallic) VISIT(p.material.roughness) VISIT(p.material.normalScale) \
+    VISIT(p.material.occlusionStrength) VISIT(p.material.baseColorTexture) \
+    VISIT(p.material.normalTexture) VISIT(p.material.metallicRoughnessTexture) \
+    VISIT(p.material.occlusionTexture) VISIT(p.material.emissiveTexture) \
+    VISIT(p.material.alphaCutoff) VISIT(p.material.unused0) VISIT(p.material.unused1) \
+    VISIT(p.textureTransform.uRow) VISIT(p.textureTransform.vRow) \
+    VISIT(p.punctual.position) VISIT(p.punctual.range) VISIT(p.punctual.color) \
+    VISIT(p.punctual.kind) VISIT(p.punctual.direction) VISIT(p.punctual.coneScale) \
+    VISIT(p.punctual.coneOffset) \
+    VISIT(p.prefixSum.count) VISIT(p.prefixSum.source) VISIT(p.prefixSum.blockTotals) \
+    LS_VISIT_5(VISIT, p.cullClusters.planes) VISIT(p.cullClusters.eye) \
+    VISIT(p.cullClusters.clusterCount) VISIT(p.cullClusters.useCones) \
+    LS_VISIT_5(VISIT, p.compact.binStarts) \
+    VISIT(p.cullTriangles.clipFromWorld) VISIT(p.cullTriangles.size) \
+    LS_VISIT_5(VISIT, p.cullTriangles.binStarts) \
+    LS_VISIT_3(VISIT, p.visible.groups) VISIT(p.visible.clusters) \
+    LS_VISIT_5(VISIT, p.visible.binStarts) \
+    VISIT(p.capture.clipFromWorld) \
+    VISIT(p.view.clipFromWorld) VISIT(p.view.viewFromWorld) VISIT(p.view.eye) \
+    VISIT(p.view.clipScale) \
+    VISIT(p.coarse.size) VISIT(p.coarse.fullSize) VISIT(p.coarse.rate) \
+    VISIT(p.light.toSun) VISIT(p.light.sunIlluminance) \
+    LS_VISIT_5(VISIT, p.light.irradiance) VISIT(p.light.irradiance[5]) \
+    VISIT(p.light.irradiance[6]) VISIT(p.light.irradiance[7]) VISIT(p.light.irradiance[8]) \
+    LS_VISIT_3(VISIT, p.light.irradianceSlope) VISIT(p.light.shadowFromWorld) \
+    VISIT(p.light.shadowRight) VISIT(p.light.shadowUp) VISIT(p.light.shadowTexel) \
+    VISIT(p.light.shadowDepthScale) VISIT(p.light.shadowTaps) VISIT(p.light.lightCount) \
+    VISIT(p.light.skyLevels) VISIT(p.light.exposure) \
+    VISIT(p.upsample.size) VISIT(p.upsample.inverseRate) VISIT(p.upsample.depthFalloff) \
+    VISIT(p.upsample.normalFalloff) \
+    VISIT(p.tonemap.exposure)
+// clang-format on
 
 #endif
