@@ -88,7 +88,7 @@ void addViewOptions(CLI::App& app, ViewOptions& view) {
         ->type_name("DEG")
         ->group("View");
     addParsed(app, "--orbit", view.orbitDegrees, parseNumber,
-              "turn the camera about the middle of the scene by this many degrees")
+              "turn the camera about the point it looks at by this many degrees")
         ->type_name("DEG")
         ->group("View");
 }
