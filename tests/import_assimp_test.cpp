@@ -243,7 +243,18 @@ TEST_F(ImportAssimp, imageThatClaimsToBeHugeIsLeftOut) {
     const Scene scene = imported("m.obj", "mtllib m.mtl\nusemtl a\n" + kQuad);
     EXPECT_TRUE(scene.images.empty());
     ASSERT_EQ(scene.notes.size(), 1u);
-    EXPECT_NE(scene.notes[0].find("is too large (32767 x 32767)"), std::string::npos);
+    EXPECT_NE(scene.notes[0].find("is too large: 32767 x 32767 texels"), std::string::npos);
+}
+
+TEST_F(ImportAssimp, imageThatWouldDecodeForMinutesIsLeftOut) {
+    std::string jpeg("\xff\xd8\xff\xc2\0\x0b\x08\0\x10\0\x10\1\1\x11\0", 15);
+    for (int i = 0; i < 1000; ++i) jpeg += std::string("\xff\xda\0\x08\1\1\0\0\0\0", 10);
+    write("scans.jpg", jpeg);
+    write("m.mtl", "newmtl a\nmap_Kd scans.jpg\n");
+    const Scene scene = imported("m.obj", "mtllib m.mtl\nusemtl a\n" + kQuad);
+    EXPECT_TRUE(scene.images.empty());
+    ASSERT_EQ(scene.notes.size(), 1u);
+    EXPECT_NE(scene.notes[0].find("has 1000 scans"), std::string::npos) << scene.notes[0];
 }
 
 TEST_F(ImportAssimp, vertexColoursAreLinearAndNotDimmed) {
