@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include <lodestar/gpu/readback.hpp>
 #include <lodestar/quality/metrics.hpp>
 
 #include "app/aov.hpp"
@@ -15,7 +14,7 @@
 #include "app/console.hpp"
 #include "app/frame_options.hpp"
 #include "app/image_io.hpp"
-#include "app/session.hpp"
+#include "app/judge.hpp"
 
 namespace lodestar::app {
 namespace {
@@ -38,13 +37,6 @@ struct Options {
     bool reference = false;
 };
 
-/// Pictures of a run judged against full quality.
-struct Quality {
-    std::vector<QualityFigures> frames;
-    QualityFigures median;
-    double worstPsnrDb = 0;
-};
-
 /// `frame.png` with frame number 7 of a numbered run: `frame.0007.png`.
 fs::path numbered(const fs::path& out, std::size_t index) {
     return fs::path(out).replace_extension(fmt::format("{:04}{}", index, out.extension().string()));
@@ -54,41 +46,13 @@ fs::path beside(const fs::path& out, const char* what) {
     return fs::path(out).replace_extension(std::string(what) + out.extension().string());
 }
 
-QualityFigures judge(const quality::RgbImage& reference, const quality::RgbImage& test) {
-    const bool forSsim = reference.width >= 11 && reference.height >= 11;
-    return {quality::psnr(reference, test), forSsim ? quality::ssim(reference, test) : NAN,
-            quality::flip(reference, test)};
-}
-
-/// Renders each sample's camera at full quality and compares. The last one's full-quality picture
-/// and FLIP map are written beside the picture.
-Result<Quality> judgeRun(const Session& session, frame::Frame& frame, const Run& run,
-                         const Options& options) {
-    Quality quality;
-    std::vector<double> psnr, ssim, flip;
-    Progress bar("comparing with full quality", run.samples.size());
-    for (const Sample& sample : run.samples) {
-        if (session.gpuScene->animated())
-            session.gpuScene->animate(
-                static_cast<float>(static_cast<double>(sample.index) / options.fps));
-        frame.render(sample.camera, {});
-        const quality::RgbImage full = readDisplay(*session.device, frame);
-        const QualityFigures figures = judge(full, sample.picture);
-        quality.frames.push_back(figures);
-        psnr.push_back(figures.psnrDb);
-        ssim.push_back(figures.ssim);
-        flip.push_back(figures.flip);
-        bar.update(quality.frames.size());
-        if (&sample != &run.samples.back()) continue;
-        if (const auto written = writePng(beside(options.out, "reference"), full); !written)
-            return tl::unexpected(written.error());
-        const auto map = quality::falseColor(quality::flipMap(full, sample.picture));
-        if (const auto written = writePng(beside(options.out, "flip"), map); !written)
-            return tl::unexpected(written.error());
-    }
-    quality.median = {budget::median(psnr), budget::median(ssim), budget::median(flip)};
-    quality.worstPsnrDb = *std::min_element(psnr.begin(), psnr.end());
-    return quality;
+/// The last sample at full quality and its FLIP map, beside the picture.
+Result<void> writeReference(const fs::path& out, const RunQuality& quality,
+                            const quality::RgbImage& test, std::vector<fs::path>& files) {
+    const quality::RgbImage& full = quality.lastReference;
+    files.insert(files.end(), {beside(out, "reference"), beside(out, "flip")});
+    if (auto written = writePng(beside(out, "reference"), full); !written) return written;
+    return writePng(beside(out, "flip"), quality::falseColor(quality::flipMap(full, test)));
 }
 
 std::string percent(double share) {
@@ -97,20 +61,6 @@ std::string percent(double share) {
 
 std::string db(double value) {
     return std::isinf(value) ? "identical" : fmt::format("{:.1f} dB", value);
-}
-
-/// Triangles that the last frame drew, and instances and clusters of the scene.
-Json countsOf(const Session& session, const frame::Frame& frame) {
-    const scene::GpuScene& scene = *session.gpuScene;
-    const auto draws = gpu::as<vk::DrawIndirectCommand>(
-        gpu::readBuffer(*session.device, frame.drawList().draws,
-                        scene::kDrawBins * sizeof(vk::DrawIndirectCommand)));
-    std::uint64_t corners = 0;
-    for (const auto& draw : draws) corners += draw.vertexCount;
-    return {{"instances_total", scene.instanceCount()},
-            {"clusters_total", scene.clusterCount() - 1},
-            {"triangles_total", scene.triangleCount()},
-            {"triangles_visible", corners / 3}};
 }
 
 void printPasses(const std::vector<PassTimes>& passes, double frameMs) {
@@ -129,7 +79,7 @@ struct Outcome {
     std::optional<double> targetMs;
     Run run;
     double frameMs = 0;
-    std::optional<Quality> quality;
+    std::optional<RunQuality> quality;
 };
 
 void printSummary(const Options& options, const Outcome& outcome) {
@@ -153,7 +103,7 @@ void printSummary(const Options& options, const Outcome& outcome) {
                    fmt::format("median of {}, r = {:.2f}", options.frames, options.shadingRate)});
     }
     if (outcome.quality) {
-        const Quality& q = *outcome.quality;
+        const RunQuality& q = *outcome.quality;
         const std::string note = q.frames.size() == 1
                                      ? "against full quality"
                                      : fmt::format(
@@ -208,14 +158,6 @@ Result<void> writeReport(const Options& options, const Session& session, const J
         report.more["frames"] = frames;
     }
     return writeJson(options.json, toJson(report));
-}
-
-/// An error when the validation layers had anything to say.
-Result<void> validationVerdict(const gpu::Device& device) {
-    const auto messages = device.validationMessages();
-    if (messages.empty()) return {};
-    return fail(fmt::format("the validation layers said {} things, first: {}", messages.size(),
-                            printable(messages.front())));
 }
 
 Result<void> run(Options options) {
@@ -277,11 +219,10 @@ Result<void> run(Options options) {
     for (const auto& costs : outcome.run.costs) frameTimes.push_back(costs.gpuMs);
     outcome.frameMs = budget::median(frameTimes);
     if (options.reference) {
-        auto quality = judgeRun(*session, frame, outcome.run, options);
-        if (!quality) return tl::unexpected(quality.error());
-        outcome.quality = std::move(*quality);
-        files.push_back(beside(options.out, "reference"));
-        files.push_back(beside(options.out, "flip"));
+        outcome.quality = judgeRun(*session, frame, outcome.run, options.fps);
+        const auto written = writeReference(options.out, *outcome.quality,
+                                            outcome.run.samples.back().picture, files);
+        if (!written) return written;
     }
 
     const auto passes = summarisePasses(outcome.run.costs);
