@@ -23,7 +23,9 @@ add_library(lodestar STATIC
     frame/frame.cpp
 )
 add_library(lodestar::lodestar ALIAS lodestar)
-target_link_libraries(lodestar PUBLIC lodestar_cpu Vulkan::Vulkan PRIVATE lodestar_flags)
+target_link_libraries(lodestar
+    PUBLIC lodestar_cpu Vulkan::Vulkan
+    PRIVATE $<BUILD_INTERFACE:lodestar_flags>)
 # vulkan_raii.hpp costs seconds a file; every Vulkan target reuses this one.
 target_precompile_headers(lodestar PRIVATE gpu/vulkan.hpp)
 lodestar_shaders(lodestar
