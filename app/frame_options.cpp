@@ -14,6 +14,7 @@ namespace lodestar::app {
 namespace {
 
 constexpr const char* kGroup = "Shading";
+constexpr float kMetered = 0;  // of FrameSettings::exposure
 
 Result<upsample::Reconstruct> parseReconstruct(const std::string& text) {
     const auto& names = upsample::kReconstructNames;
@@ -29,6 +30,13 @@ Result<float> parseSigma(const std::string& text) {
     const Result<double> number = parseNumber(text);
     if (number && *number > 0) return static_cast<float>(*number);
     return fail("'" + text + "' is no width: give a number above 0, or inf");
+}
+
+Result<float> parseExposure(const std::string& text) {
+    if (text == "auto") return kMetered;
+    const Result<double> number = parseNumber(text);
+    if (number && *number > 0) return static_cast<float>(*number);
+    return fail("'" + text + "' is no exposure: give a number above 0, or auto");
 }
 
 /// Azimuth (clockwise from −z, seen from above) and elevation, in degrees.
@@ -86,15 +94,32 @@ void addFrameOptions(CLI::App& app, frame::FrameSettings& settings) {
         ->type_name("D")
         ->check(CLI::NonNegativeNumber)
         ->group(kGroup);
+    app.add_option("--ao-views", settings.skyViews,
+                   "directions of the sky that ambient occlusion looks in; 0: no occlusion")
+        ->type_name("N")
+        ->check(CLI::Range(0, 16))
+        ->capture_default_str()
+        ->group(kGroup);
+    app.add_option("--ao-taps", settings.skyTaps, "N of the N×N filter of each direction")
+        ->type_name("N")
+        ->check(CLI::Range(1, 32))
+        ->capture_default_str()
+        ->group(kGroup);
+    app.add_option("--ao-map", settings.skyMapSize, "depth map texels a side, each direction")
+        ->type_name("N")
+        ->check(CLI::Range(16, 4096))
+        ->capture_default_str()
+        ->group(kGroup);
     addParsed(app, "--sun", settings.toSun, parseSun,
               "where the sun stands, in degrees; a directional light of the scene takes its place")
         ->type_name("AZ,EL")
         ->default_str("125,53")
         ->group(kGroup);
-    app.add_option("--exposure", settings.exposure, "multiplies the light before the tone map")
-        ->type_name("X")
-        ->check(CLI::PositiveNumber)
-        ->capture_default_str()
+    settings.exposure = kMetered;
+    addParsed(app, "--exposure", settings.exposure, parseExposure,
+              "multiplies the light before the tone map; auto: metered on the first frame")
+        ->type_name("auto|X")
+        ->default_str("auto")
         ->group(kGroup);
 }
 
@@ -107,8 +132,11 @@ Json settingsJson(const frame::FrameSettings& s) {
             {"shadow_taps", s.shadowTaps},
             {"shadow_map_texels", s.shadowMapSize},
             {"shadow_distance", s.shadowDistance},
+            {"ao_views", s.skyViews},
+            {"ao_taps", s.skyTaps},
+            {"ao_map_texels", s.skyMapSize},
             {"to_sun", {s.toSun.x, s.toSun.y, s.toSun.z}},
-            {"exposure", s.exposure}};
+            {"exposure", s.exposure == kMetered ? Json("auto") : Json(s.exposure)}};
 }
 
 }  // namespace lodestar::app

@@ -121,11 +121,12 @@ void printSummary(const Options& options, const Outcome& outcome) {
             "coarse shading; raise the budget or lower --size\n");
 }
 
-Result<void> writeReport(const Options& options, const Session& session, const Json& counts,
-                         const std::vector<PassTimes>& passes, const Outcome& outcome) {
+Result<void> writeReport(const Options& options, const Session& session, const frame::Frame& frame,
+                         const Json& counts, const std::vector<PassTimes>& passes,
+                         const Outcome& outcome) {
     Report report;
     describeDevice(session, report);
-    report.settings = settingsJson(options.settings);
+    report.settings = settingsJson(frame.settings());
     report.settings["shading_rate"] = options.shadingRate;
     report.settings["frames"] = options.frames;
     report.passes = passes;
@@ -229,7 +230,8 @@ Result<void> run(Options options) {
     printPasses(passes, outcome.frameMs);
     printSummary(options, outcome);
     if (!options.json.empty()) {
-        if (auto done = writeReport(options, *session, counts, passes, outcome); !done) return done;
+        if (auto done = writeReport(options, *session, frame, counts, passes, outcome); !done)
+            return done;
         files.push_back(options.json);
     }
     for (const fs::path& file : files) fmt::print("wrote {}\n", file.string());
@@ -290,7 +292,7 @@ void addRender(CLI::App& app, int& exitCode) {
     addFrameOptions(*command, o->settings);
     addParsed(*command, "--aov", o->aovs, parseAovs,
               "also write these as EXR beside --out: depth, normal, albedo, roughness, metallic, "
-              "occlusion, id, shadow, ambient")
+              "occlusion, id, shadow, ao")
         ->type_name("NAME[,NAME]");
     addJsonOption(*command, o->json);
     addDeviceOption(*command, o->device.device);

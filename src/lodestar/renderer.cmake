@@ -21,6 +21,7 @@ add_library(lodestar STATIC
     upsample/upsample.cpp
     post/tonemap.cpp
     frame/frame.cpp
+    frame/light_maps.cpp
 )
 add_library(lodestar::lodestar ALIAS lodestar)
 target_link_libraries(lodestar

@@ -1,11 +1,15 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <lodestar/frame/frame.hpp>
 
+#include <algorithm>
+#include <cmath>
+
 #include <glm/gtc/packing.hpp>
 
 #include <lodestar/shading/light_params.h>
 #include <lodestar/visibility/view_params.h>
 #include <lodestar/gpu/readback.hpp>
+#include <lodestar/post/exposure.hpp>
 
 namespace lodestar::frame {
 namespace {
@@ -38,12 +42,21 @@ gpu::Image makeSkyImage(const gpu::Device& device, const shading::Sky& sky) {
     return image;
 }
 
-/// The scene's first directional light, or the sun of the settings.
+/// The sun: the scene's first directional light, or that of the settings.
+const scene::Light* sunOf(const scene::Scene& scene) {
+    for (const scene::Light& light : scene.lights)
+        if (light.kind == scene::LightKind::directional) return &light;
+    return nullptr;
+}
+
 glm::vec3 sunDirection(const scene::GpuScene& scene, const FrameSettings& settings) {
-    for (const scene::Light& light : scene.scene().lights)
-        if (light.kind == scene::LightKind::directional)
-            return glm::normalize(glm::vec3(scene.nodeTransforms()[light.node][2]));
+    if (const scene::Light* light = sunOf(scene.scene()))
+        return glm::normalize(glm::vec3(scene.nodeTransforms()[light->node][2]));
     return glm::normalize(settings.toSun);
+}
+
+float luminance(glm::vec3 color) {
+    return glm::dot(color, glm::vec3(0.2126f, 0.7152f, 0.0722f));
 }
 
 const FrameSettings& checked(const FrameSettings& s) {
@@ -52,6 +65,14 @@ const FrameSettings& checked(const FrameSettings& s) {
     if (s.shadowTaps > 32) throw std::invalid_argument("FrameSettings::shadowTaps must be ≤ 32");
     if (s.shadowMapSize < 16 || s.shadowMapSize > 16384)
         throw std::invalid_argument("FrameSettings::shadowMapSize must be 16 … 16384");
+    if (!(s.exposure >= 0) || std::isinf(s.exposure))
+        throw std::invalid_argument("FrameSettings::exposure must be ≥ 0");
+    if (s.skyViews > shared::LS_MAX_SKY_VIEWS)
+        throw std::invalid_argument("FrameSettings::skyViews must be ≤ 16");
+    if (s.skyTaps < 1 || s.skyTaps > 32)
+        throw std::invalid_argument("FrameSettings::skyTaps must be 1 … 32");
+    if (s.skyMapSize < 16 || s.skyMapSize > 4096)
+        throw std::invalid_argument("FrameSettings::skyMapSize must be 16 … 4096");
     return s;
 }
 
@@ -62,24 +83,27 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       scene(&gpuScene),
       options(checked(s)),
       sky(sunDirection(gpuScene, s)),
+      irradiance(sky.irradiance()),
       aspect(static_cast<float>(s.size.width) / static_cast<float>(s.size.height)),
       cull(owner),
       capture(owner, gpuScene.features()),
-      shadowCapture(owner, gpuScene.features(), visibility::CaptureSs::Writes::depthOnly),
       rebuild(owner, gpuScene.features()),
       coarse(owner),
       upsample(owner, s.reconstruct),
       combine(owner, gpuScene.features()),
       tonemap(owner),
       eyeList(owner, gpuScene, "eye"),
-      sunList(owner, gpuScene, "sun"),
+      lightMaps(owner, gpuScene, sky,
+                {.sunTexels = s.shadowMapSize,
+                 .skyTexels = s.skyMapSize,
+                 .skyViews = s.skyViews,
+                 .shadows = s.shadowTaps > 0,
+                 .shadowDistance = s.shadowDistance}),
       viewBuffer(owner, "view", sizeof(shared::ViewParams), gpu::Residence::mapped),
       lightBuffer(owner, "light", sizeof(shared::LightParams), gpu::Residence::mapped),
       idImage(target(owner, s.size, vk::Format::eR32Uint, "ids", Usage::eColorAttachment)),
       depthBuffer(target(owner, s.size, vk::Format::eD32Sfloat, "depth buffer",
                          Usage::eDepthStencilAttachment)),
-      shadowMap(target(owner, {s.shadowMapSize, s.shadowMapSize}, vk::Format::eD32Sfloat,
-                       "shadow map", Usage::eDepthStencilAttachment)),
       skyImage(makeSkyImage(owner, sky)),
       coarseImage(target(owner, s.size, vk::Format::eR32G32B32A32Uint, "coarse", Usage::eStorage)),
       termImage(target(owner, s.size, vk::Format::eR16G16B16A16Sfloat, "terms", Usage::eStorage)),
@@ -87,13 +111,23 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
           target(owner, s.size, vk::Format::eR16G16B16A16Sfloat, "radiance", Usage::eStorage)),
       displayImage(target(owner, s.size, vk::Format::eR8G8B8A8Unorm, "display", Usage::eStorage)),
       surfaces(owner, s.size),
-      rec(owner) {}
+      rec(owner) {
+    // A sun of the file has the colour it says. Its strength sets what a lux is: the sky is as
+    // bright beside it as beside the real sun, lamps and emissive surfaces as the file has them.
+    sunIlluminance = sky.sunIlluminance();
+    if (const scene::Light* light = sunOf(gpuScene.scene())) {
+        const float lux = luminance(light->color) * light->intensity;
+        perLux = lux > 0 ? shading::Sky::kSunIlluminance / lux : 1;
+        sunIlluminance = light->color * (light->intensity * perLux);
+    }
+}
 
 gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers& levers) {
+    if (options.exposure == 0) meter(camera);
     const glm::mat4 clipFromWorld = camera.clipFromView(aspect) * camera.viewFromWorld();
     rec.begin();
 
-    drawShadowMap(rec, camera);
+    lightMaps.update(rec, *scene, cull, camera, aspect);
     writeUniforms(camera);
 
     // Which triangle does each pixel show?
@@ -104,7 +138,8 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
     rec.barrier(Stage::raster, Stage::compute);
 
     // The expensive terms on grid S, and what is exact on grid O.
-    const shading::Coarse::Inputs coarseInputs{idImage, shadowMap, viewBuffer, lightBuffer};
+    const shading::Coarse::Inputs coarseInputs{idImage, lightMaps.sunMap(), lightMaps.skyMaps(),
+                                               viewBuffer, lightBuffer};
     rebuild.record(rec, *scene, {idImage, viewBuffer}, surfaces);
     if (levers.shadingRate > 1) {
         coarse.record(rec, *scene, coarseInputs, levers.shadingRate, coarseImage);
@@ -129,28 +164,14 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
     return rec.submit();
 }
 
-void Frame::drawShadowMap(gpu::Recorder& r, const scene::Camera& camera) {
-    const scene::Bounds& bounds = scene->bounds();
-    const float toScene = bounds.empty() ? 1 : glm::distance(camera.eye, bounds.centre());
-    // To the far side of the scene, wherever in it the eye is.
-    const float distance =
-        options.shadowDistance > 0 ? options.shadowDistance : toScene + bounds.radius();
-    const shading::SunView now =
-        shading::fitSun(sky.toSun(), bounds, camera, aspect, distance, options.shadowMapSize);
-    if (options.shadowTaps == 0 || (now == sun && shadowVersion == scene->version())) return;
-    sun = now;
-    shadowVersion = scene->version();
-
-    cull.record(r, *scene,
-                {.clipFromWorld = sun.clipFromWorld,
-                 .size = shadowMap.extent(),
-                 .perspective = false,
-                 .keepBeforeNear = true},
-                sunList);
-    r.barrier(Stage::compute, Stage::raster);
-    r.barrier(Stage::compute, Stage::indirect);
-    shadowCapture.record(r, *scene, sunList, sun.clipFromWorld, {{}, shadowMap}, "shadow map");
-    r.barrier(Stage::raster, Stage::compute);
+/// Sets the exposure by what the camera sees at full quality.
+void Frame::meter(const scene::Camera& camera) {
+    options.exposure = 1;
+    render(camera, {});
+    std::vector<glm::vec4> texels;
+    for (const auto bits : gpu::as<std::uint64_t>(gpu::readImage(*device, radianceImage)))
+        texels.push_back(glm::unpackHalf4x16(bits));
+    options.exposure = post::meteredExposure(texels);
 }
 
 void Frame::writeUniforms(const scene::Camera& camera) {
@@ -162,21 +183,18 @@ void Frame::writeUniforms(const scene::Camera& camera) {
         .clipScale = {clipFromView[0][0], clipFromView[1][1]}};
 
     shared::LightParams light{.toSun = sky.toSun(),
-                              .sunIlluminance = sky.sunIlluminance(),
-                              .shadowFromWorld = sun.shadowFromWorld,
-                              .shadowRight = sun.right,
-                              .shadowUp = sun.up,
-                              .shadowTexel = sun.texel,
-                              .shadowDepthScale = sun.depthScale,
+                              .sunIlluminance = sunIlluminance,
                               .shadowTaps = options.shadowTaps,
+                              .skyViewCount = options.skyViews,
+                              .skyTaps = options.skyTaps,
                               .lightCount = scene->lightCount(),
                               .skyLevels = shading::SkyMap::kLevels,
-                              .exposure = options.exposure};
-    const auto irradiance = sky.irradiance();
+                              .exposure = options.exposure,
+                              .perLux = perLux};
     std::copy(irradiance.begin(), irradiance.end(), light.irradiance);
-    light.irradianceSlope[0] = irradiance[3];
-    light.irradianceSlope[1] = irradiance[1];
-    light.irradianceSlope[2] = irradiance[2];
+    light.views[0] = lightMaps.sun().params();
+    std::transform(lightMaps.sky().begin(), lightMaps.sky().end(), light.views + 1,
+                   [](const shading::LightView& view) { return view.params(); });
     *lightBuffer.mapped<shared::LightParams>() = light;
 }
 

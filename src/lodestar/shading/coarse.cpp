@@ -19,7 +19,7 @@ gpu::Kernel makeKernel(const gpu::Device& device, bool full) {
             full ? "terms" : "coarse terms",
             kCode,
             scene::withSceneSlots({Slot::uniformBuffer, Slot::uniformBuffer, Slot::sampledImage,
-                                   Slot::sampledImage, Slot::storageImage}),
+                                   Slot::sampledImage, Slot::sampledImage, Slot::storageImage}),
             sizeof(shared::CoarseParams),
             {full}};
 }
@@ -56,11 +56,14 @@ void Coarse::recordWith(gpu::Recorder& rec, const gpu::Kernel& kernel, const sce
     const shared::CoarseParams params{
         .size = {size.width, size.height}, .fullSize = {full.width, full.height}, .rate = rate};
     const auto pass = rec.pass("terms");
-    rec.dispatch(
-        kernel, gpu::groups8x8(size),
-        scene::withScene(
-            scene, {in.view, in.light, {in.ids, pointSampler}, {in.shadowMap, pointSampler}, out}),
-        params);
+    rec.dispatch(kernel, gpu::groups8x8(size),
+                 scene::withScene(scene, {in.view,
+                                          in.light,
+                                          {in.ids, pointSampler},
+                                          {in.sunMap, pointSampler},
+                                          {in.skyMaps, pointSampler},
+                                          out}),
+                 params);
 }
 
 }  // namespace lodestar::shading

@@ -9,15 +9,17 @@ namespace lodestar::shading {
 /// Size of grid S: ⌈W/r⌉ × ⌈H/r⌉.
 vk::Extent2D coarseExtent(vk::Extent2D full, float rate);
 
-/// The expensive, smooth terms: soft sun shadow and sky irradiance, evaluated on grid S from
-/// visibility (Yang et al. 2008, §2.3, fine-grained resizing).
+/// The expensive, smooth terms: how much of the sun (soft shadow) and of the sky (ambient
+/// occlusion) a surface sees, evaluated on grid S from visibility (Yang et al. 2008, §2.3,
+/// fine-grained resizing).
 class Coarse {
 public:
     explicit Coarse(const gpu::Device&);
 
     struct Inputs {
         gpu::View ids;             ///< grid O, R32_UINT: triangle ids
-        gpu::View shadowMap;       ///< D32_SFLOAT, reversed
+        gpu::View sunMap;          ///< D32_SFLOAT array of one layer, reversed
+        gpu::View skyMaps;         ///< D32_SFLOAT array, a layer for each view of the sky
         const gpu::Buffer& view;   ///< shared::ViewParams
         const gpu::Buffer& light;  ///< shared::LightParams
     };

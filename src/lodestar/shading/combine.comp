@@ -17,13 +17,16 @@ layout(binding = 1, scalar) uniform Light { LightParams light; };
 layout(binding = 2) uniform sampler2D surfaceDepth;
 layout(binding = 3) uniform usampler2D surfaceMaterial;
 layout(binding = 4) uniform sampler2D surfaceEmissive;
-layout(binding = 5) uniform sampler2D terms;  // sky irradiance rgb, sun visibility
+layout(binding = 5) uniform sampler2D terms;  // visibility of the sun and of the sky
 layout(binding = 6) uniform sampler2D sky;
 layout(binding = 7, scalar) readonly buffer Lights { GpuLight lights[]; };
 layout(binding = 8, rgba16f) writeonly uniform image2D outRadiance;
 
 layout(constant_id = 2) const uint kPunctualLights = 1;
 
+// Share of the sky's light that comes from where the sky is hidden: the albedo of walls that see
+// the sky themselves.
+const float kBounced = 0.3;
 const float kSunCosine = 0.99996;  // half of its half-degree disc
 
 vec3 sunDisc(vec3 direction) {
@@ -79,20 +82,16 @@ void main() {
         return;
     }
 
-    // The sky's irradiance was taken at the smooth vertex normal; what the normal map bends it by
-    // is its first-order change.
-    const vec4 term = texelFetch(terms, pixel, 0);
-    const vec3 bend = s.normal - unpackNormal(material.w);
-    const vec3 ambient =
-        max(term.rgb + light.irradianceSlope[0] * bend.x + light.irradianceSlope[1] * bend.y +
-                light.irradianceSlope[2] * bend.z,
-            vec3(0));
-    vec3 radiance = reflected(s, light.toSun) * light.sunIlluminance * term.a;
+    // Where the sky is hidden, what hides it sends back some of the light it gets.
+    const vec2 visible = texelFetch(terms, pixel, 0).xy;
+    const float fromSky = albedo.a * mix(kBounced, 1, visible.y);
     const vec3 mirrored = environmentReflectance(s);
-    radiance += (1 - mirrored) * s.diffuse * ambient * (albedo.a / 3.14159265);
-    radiance += seen * mirrored * albedo.a;
-    if (kPunctualLights != 0) radiance += punctual(s, view.eye + ray * depth);
-    if (kEmissive != 0) radiance += texelFetch(surfaceEmissive, pixel, 0).rgb;
+    vec3 radiance = reflected(s, light.toSun) * light.sunIlluminance * visible.x;
+    radiance += (1 - mirrored) * s.diffuse * skyIrradiance(light.irradiance, s.normal) *
+                (fromSky / 3.14159265);
+    radiance += seen * mirrored * fromSky;
+    if (kPunctualLights != 0) radiance += light.perLux * punctual(s, view.eye + ray * depth);
+    if (kEmissive != 0) radiance += light.perLux * texelFetch(surfaceEmissive, pixel, 0).rgb;
     // Unlit surfaces show the colour they were given: alpha 0 keeps the tone curve off them.
     const bool unlit = kUnlit != 0 && (material.y >> 16 & LS_MATERIAL_UNLIT) != 0;
     if (unlit) radiance = albedo.rgb * albedo.rgb / light.exposure;
