@@ -6,7 +6,7 @@
 namespace lodestar::upsample {
 
 /// The pixels of grid O that no texel of S is like (Yang et al. 2008 name their repair as future
-/// work): Upsample lists them, RepairSelect keeps the worst.
+/// work), or whose texels of S disagree: Upsample lists them, RepairSelect keeps the worst.
 struct RepairList {
     RepairList(const gpu::Device&, vk::Extent2D);
 

@@ -70,10 +70,10 @@ vec4 mostLikeInDepth(uvec4 taps[16], float wx[4], float wy[4], float z, float pe
     return most * most * params.depthFalloff <= 4.5 * 1.44269504 ? mean : best;
 }
 
-/// Adds the pixel to the list of those to be shaded anew, the worse the higher its bin.
-void listForRepair(uint index, float badness) {
-    const uint bin =
-        uint(clamp(4 * log2(badness / params.repairAbove), 0, float(LS_REPAIR_BINS) - 1));
+/// Adds the pixel to the list of those to be shaded anew, the worse the higher its bin: how far
+/// off it may be is how far the taps that make it lie apart.
+void listForRepair(uint index, float spread) {
+    const uint bin = uint(clamp(spread * float(LS_REPAIR_BINS), 0, float(LS_REPAIR_BINS) - 1));
     atomicAdd(repair.bins[bin], 1);
     listed[atomicAdd(repair.listed, 1)] = index | bin << LS_REPAIR_INDEX_BITS;
 }
@@ -127,19 +127,30 @@ void main() {
         write(pixel, mostLikeInDepth(taps, wx, wy, z, perZ));
         return;
     }
+    // Where no tap is like the pixel any of them may be wrong; else those that weigh may disagree.
+    const bool unlike = least > params.repairAbove;
+    const float relevant = unlike ? 3e38 : least + 2;
+    vec3 low = vec3(3e38), high = vec3(-3e38);
     vec4 sum = vec4(0);
     float weights = 0;
     for (int j = 0; j < kTaps * kTaps; ++j) {
+        const vec4 values = coarseTerms(taps[j]);
         float w = wx[j % kTaps] * wy[j / kTaps];
+        if (kRepair != 0) {
+            const bool counts = e[j] <= relevant && w >= 0.05;
+            low = counts ? min(low, values.xyz) : low;
+            high = counts ? max(high, values.xyz) : high;
+        }
         if (kRange != 0) w *= exp2(clamp(least - e[j], -126.0, 0.0));
-        sum += w * coarseTerms(taps[j]);
+        sum += w * values;
         weights += w;
     }
     write(pixel, sum / weights);
 
     if (kRepair != 0) {
-        const float badness = least - log2(weights);  // −log2 of Σ f·g·g
-        if (z > 0 && badness > params.repairAbove)
-            listForRepair(uint(pixel.y * fullSize.x + pixel.x), badness);
+        const vec3 apart = high - low;
+        const float spread = max(apart.x, max(apart.y, apart.z));
+        if (z > 0 && (unlike || spread > params.repairSpread))
+            listForRepair(uint(pixel.y * fullSize.x + pixel.x), max(spread, 0));
     }
 }

@@ -12,9 +12,11 @@ namespace lodestar::upsample {
 /// Beside the equation itself.
 struct UpsampleOptions {
     std::uint32_t channels = 15;  ///< to write, a bit each; the others keep what they hold
-    /// Lists the pixels with Σ f·g·g < `leastWeight`, for RepairSelect.
+    /// Lists, for RepairSelect, the pixels whose best tap has a range weight g·g under
+    /// `leastWeight`, and those whose taps lie further apart than `mostSpread` in some term.
     const RepairList* repair = nullptr;
     float leastWeight = 0.1f;  ///< 0 … 1, both excluded
+    float mostSpread = 0.1f;
 };
 
 /// Joint bilateral upsampling of a coarse shading buffer (Yang et al. 2008, eq. 1).

@@ -20,10 +20,11 @@ struct UpsampleParams {
     float depthFalloff;   // log2(e) / (2 σz²); 0 for σz = ∞
     float normalFalloff;  // log2(e) / (2 σn²); 0 for σn = ∞
     uint terms;           // channels of the output to write, a bit each
-    float repairAbove;    // −log2 of the least Σ f·g·g that need not be repaired
+    float repairAbove;    // −log2 of the least g·g of the best tap that need no repair
+    float repairSpread;   // nor taps that lie no further apart than this
 };
 
-/// Pixels whose taps are all unlike them, worse ones in higher bins.
+/// Pixels whose taps are all unlike them or disagree, worse ones in higher bins.
 struct RepairHeader {
     uint groups[3];  // of 64 threads, for the pixels kept
     uint listed;
