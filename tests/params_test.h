@@ -9,7 +9,11 @@
 #include "lodestar/shading/coarse_params.h"
 #include "lodestar/shading/light_params.h"
 #include "lodestar/upsample/upsample_params.h"
+#include "lodestar/visibility/capture_compute_params.h"
+#include "lodestar/visibility/capture_ms_params.h"
 #include "lodestar/visibility/capture_ss_params.h"
+#include "lodestar/visibility/compact_params.h"
+#include "lodestar/visibility/record_params.h"
 #include "lodestar/visibility/view_params.h"
 LS_NAMESPACE_BEGIN
 
@@ -34,6 +38,14 @@ struct AllParams {
     LightParams light;
     UpsampleParams upsample;
     TonemapParams tonemap;
+    VisibilityHead head;
+    VisibilityNode node;
+    CompactVisibilityParams compactVisibility;
+    CaptureComputeParams captureCompute;
+    CaptureQueueCounts captureQueue;
+    CaptureLarge captureLarge;
+    CaptureMsDrawParams captureMsDraw;
+    CaptureMsParams captureMs;
 };
 
 LS_NAMESPACE_END
@@ -85,7 +97,23 @@ LS_NAMESPACE_END
     VISIT(p.light.skyLevels) VISIT(p.light.exposure) \
     VISIT(p.upsample.size) VISIT(p.upsample.inverseRate) VISIT(p.upsample.depthFalloff) \
     VISIT(p.upsample.normalFalloff) \
-    VISIT(p.tonemap.exposure)
+    VISIT(p.tonemap.exposure) \
+    VISIT(p.head.id) VISIT(p.head.list) \
+    VISIT(p.node.id) VISIT(p.node.maskLow) VISIT(p.node.maskHigh) \
+    VISIT(p.compactVisibility.width) VISIT(p.compactVisibility.firstRow) \
+    VISIT(p.compactVisibility.rows) VISIT(p.compactVisibility.band) \
+    VISIT(p.compactVisibility.capacity) \
+    VISIT(p.captureCompute.clipFromWorld) VISIT(p.captureCompute.size) \
+    VISIT(p.captureCompute.firstRow) VISIT(p.captureCompute.rows) \
+    LS_VISIT_5(VISIT, p.captureCompute.binStarts) \
+    LS_VISIT_3(VISIT, p.captureQueue.groups) VISIT(p.captureQueue.first) \
+    VISIT(p.captureQueue.count) VISIT(p.captureQueue.clipped) VISIT(p.captureQueue.large) \
+    VISIT(p.captureQueue.jobs) \
+    VISIT(p.captureLarge.v0) VISIT(p.captureLarge.v1) VISIT(p.captureLarge.v2) \
+    VISIT(p.captureLarge.depth) VISIT(p.captureLarge.id) \
+    VISIT(p.captureMsDraw.clipFromWorld) VISIT(p.captureMsDraw.size) \
+    VISIT(p.captureMsDraw.firstRow) \
+    VISIT(p.captureMs.shift) VISIT(p.captureMs.size)
 // clang-format on
 
 #endif

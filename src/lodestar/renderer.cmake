@@ -14,12 +14,16 @@ add_library(lodestar STATIC
     gpu/recorder.cpp
     scene/gpu_scene.cpp
     geometry/cull.cpp
+    visibility/capture_compute.cpp
+    visibility/capture_ms.cpp
     visibility/capture_ss.cpp
+    visibility/compact.cpp
     visibility/rebuild.cpp
     shading/coarse.cpp
     shading/combine.cpp
     upsample/upsample.cpp
     post/tonemap.cpp
+    frame/capture_frame.cpp
     frame/frame.cpp
 )
 add_library(lodestar::lodestar ALIAS lodestar)
@@ -32,8 +36,16 @@ lodestar_shaders(lodestar
     geometry/cull_clusters.comp
     geometry/cull_triangles.comp
     geometry/emit.comp
+    visibility/capture_args.comp
+    visibility/capture_clip.comp
+    visibility/capture_small.comp
+    visibility/capture_split.comp
+    visibility/capture_tile.comp
+    visibility/capture_ms.comp
+    visibility/capture_ms.frag
     visibility/capture_ss.vert
     visibility/capture_ss.frag
+    visibility/compact.comp
     visibility/rebuild.comp
     shading/coarse.comp
     shading/combine.comp
