@@ -3,7 +3,9 @@
 #include <cstring>
 
 #include <lodestar/frame/capture_frame.hpp>
+#include <lodestar/gpu/readback.hpp>
 #include <lodestar/scene/procedural.hpp>
+#include <lodestar/visibility/expand.hpp>
 
 #include "gpu_device.hpp"
 #include "small_scenes.hpp"
@@ -41,6 +43,29 @@ protected:
     }
     static std::vector<std::uint32_t> ids(const Subject& subject, const CaptureSettings& settings) {
         return visibility::expandReference(capture(subject, settings));
+    }
+    /// The ids of grid O from a capture.
+    static std::vector<std::uint32_t> rebuilt(const Subject& subject,
+                                              const CaptureSettings& settings, vk::Extent2D size,
+                                              bool representatives = false) {
+        CaptureFrame frame(device(), subject.onGpu, settings);
+        frame.capture(subject.camera);
+        const visibility::Expand expand(device(), settings.side);
+        const gpu::Image image(device(), {.name = "ids",
+                                          .format = vk::Format::eR32Uint,
+                                          .extent = size,
+                                          .usage = vk::ImageUsageFlagBits::eStorage |
+                                                   vk::ImageUsageFlagBits::eTransferSrc});
+        const float aspect = float(settings.base.width) / float(settings.base.height);
+        const glm::mat4 clip = subject.camera.clipFromView(aspect) * subject.camera.viewFromWorld();
+        gpu::Recorder rec(device());
+        rec.begin();
+        if (representatives)
+            expand.recordRepresentatives(rec, subject.onGpu, frame.compact(), image);
+        else
+            expand.record(rec, subject.onGpu, frame.compact(), clip, image);
+        rec.submit();
+        return gpu::as<std::uint32_t>(gpu::readImage(device(), image));
     }
     static double sameShare(const std::vector<std::uint32_t>& a,
                             const std::vector<std::uint32_t>& b) {
@@ -198,6 +223,62 @@ TEST_F(CaptureTest, bandsKeepTransientMemoryBounded) {
         EXPECT_GT(frame.bands(), 2u);
         EXPECT_LE(frame.transientBytes(), 12u << 20) << int(backend);
     }
+}
+
+TEST_F(CaptureTest, rebuildingAtTheCaptureRateGivesTheIdsOfDirectRaster) {
+    const Subject columns(device(), "columns", 0);
+    for (const CaptureBackend backend : {kSs, kCompute}) {
+        const auto direct = ids(columns, {.base = {136, 88}, .side = 1, .backend = backend});
+        for (const std::uint32_t side : {1u, 2u, 4u, 8u}) {
+            const CaptureSettings settings{
+                .base = {136 / side, 88 / side}, .side = side, .backend = backend};
+            EXPECT_EQ(rebuilt(columns, settings, {136, 88}), direct) << side;
+        }
+    }
+    // A third of the rate: centres still lie on samples.
+    const auto third =
+        rebuilt(columns, {.base = {33, 24}, .side = 8, .backend = kCompute}, {88, 64});
+    const auto direct = ids(columns, {.base = {88, 64}, .side = 1, .backend = kCompute});
+    EXPECT_GT(sameShare(third, direct), 0.985);  // vertices snap to a finer grid there
+}
+
+TEST_F(CaptureTest, rebuildingElsewhereComesCloseToDirectRaster) {
+    // Triangles that are mostly larger than a sample: one that no sample saw cannot come back.
+    small_scenes::Random random(5);
+    std::vector<glm::vec3> corners;
+    for (int i = 0; i < 60; ++i) {
+        const glm::vec3 centre = random.vec3(-1, 1);
+        for (int k = 0; k < 3; ++k) corners.push_back(centre + random.vec3(-0.5f, 0.5f));
+    }
+    scene::Material material;
+    material.doubleSided = true;
+    const Subject soup(device(), single(small_scenes::triangles(corners), material),
+                       {.eye = {0.3f, 0.4f, 3}, .at = {0, 0, 0}});
+    const CaptureSettings settings{.base = {60, 40}, .side = 4, .backend = kCompute};
+    const auto grid = visibility::expandReference(capture(soup, settings));
+    EXPECT_GT(covered(grid), grid.size() / 3);
+    for (const vk::Extent2D size :
+         {vk::Extent2D{30, 20}, {60, 40}, {120, 80}, {171, 114}, {480, 320}, {720, 480}}) {
+        SCOPED_TRACE(size.width);
+        const auto expected = ids(soup, {.base = size, .side = 1, .backend = kCompute});
+        std::vector<std::uint32_t> nearest;  // what there would be without edge tests
+        for (std::uint32_t y = 0; y < size.height; ++y)
+            for (std::uint32_t x = 0; x < size.width; ++x)
+                nearest.push_back(grid[(2 * y + 1) * 160 / (2 * size.height) * 240 +
+                                       (2 * x + 1) * 240 / (2 * size.width)]);
+        const double wrong = 1 - sameShare(rebuilt(soup, settings, size), expected);
+        EXPECT_LT(wrong, 0.005);
+        EXPECT_LT(wrong, 0.2 * (1 - sameShare(nearest, expected)));
+    }
+}
+
+TEST_F(CaptureTest, representativesAreTheHeads) {
+    const Subject columns(device(), "columns", 1);
+    const CaptureSettings settings{.base = {31, 17}, .side = 8, .backend = kCompute};
+    const Record record = capture(columns, settings);
+    std::vector<std::uint32_t> heads;
+    for (const auto& head : record.heads) heads.push_back(head.id);
+    EXPECT_EQ(rebuilt(columns, settings, {31, 17}, true), heads);
 }
 
 TEST_F(CaptureTest, refusesSizesItCannotHold) {

@@ -13,6 +13,9 @@
 #include "lodestar/visibility/capture_ms_params.h"
 #include "lodestar/visibility/capture_ss_params.h"
 #include "lodestar/visibility/compact_params.h"
+#include "lodestar/visibility/expand_params.h"
+#include "lodestar/visibility/fragments_params.h"
+#include "lodestar/visibility/rebuild_params.h"
 #include "lodestar/visibility/record_params.h"
 #include "lodestar/visibility/view_params.h"
 LS_NAMESPACE_BEGIN
@@ -46,6 +49,9 @@ struct AllParams {
     CaptureLarge captureLarge;
     CaptureMsDrawParams captureMsDraw;
     CaptureMsParams captureMs;
+    ExpandParams expand;
+    FragmentsParams fragments;
+    RebuildParams rebuild;
 };
 
 LS_NAMESPACE_END
@@ -113,7 +119,12 @@ LS_NAMESPACE_END
     VISIT(p.captureLarge.depth) VISIT(p.captureLarge.id) \
     VISIT(p.captureMsDraw.clipFromWorld) VISIT(p.captureMsDraw.size) \
     VISIT(p.captureMsDraw.firstRow) \
-    VISIT(p.captureMs.shift) VISIT(p.captureMs.size)
+    VISIT(p.captureMs.shift) VISIT(p.captureMs.size) \
+    VISIT(p.expand.clipFromWorld) VISIT(p.expand.base) VISIT(p.expand.size) \
+    VISIT(p.expand.maskedFrom) \
+    VISIT(p.fragments.clipFromWorld) VISIT(p.fragments.eye) VISIT(p.fragments.base) \
+    VISIT(p.fragments.capacity) \
+    VISIT(p.rebuild.pixelNdc)
 // clang-format on
 
 #endif

@@ -18,6 +18,8 @@ add_library(lodestar STATIC
     visibility/capture_ms.cpp
     visibility/capture_ss.cpp
     visibility/compact.cpp
+    visibility/expand.cpp
+    visibility/fragments.cpp
     visibility/rebuild.cpp
     shading/coarse.cpp
     shading/combine.cpp
@@ -46,7 +48,10 @@ lodestar_shaders(lodestar
     visibility/capture_ss.vert
     visibility/capture_ss.frag
     visibility/compact.comp
+    visibility/expand.comp
+    visibility/fragments.comp
     visibility/rebuild.comp
+    visibility/resolve.comp
     shading/coarse.comp
     shading/combine.comp
     upsample/upsample.comp

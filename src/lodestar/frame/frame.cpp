@@ -62,11 +62,12 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       scene(&gpuScene),
       options(checked(s)),
       sky(sunDirection(gpuScene, s)),
-      aspect(static_cast<float>(s.size.width) / static_cast<float>(s.size.height)),
+      aspect(s.aspect > 0 ? s.aspect
+                          : static_cast<float>(s.size.width) / static_cast<float>(s.size.height)),
       cull(owner),
       capture(owner, gpuScene.features()),
       shadowCapture(owner, gpuScene.features(), visibility::CaptureSs::Writes::depthOnly),
-      rebuild(owner, gpuScene.features()),
+      rebuildPass(owner, gpuScene.features()),
       coarse(owner),
       upsample(owner, s.reconstruct),
       combine(owner, gpuScene.features()),
@@ -75,7 +76,8 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       sunList(owner, gpuScene, "sun"),
       viewBuffer(owner, "view", sizeof(shared::ViewParams), gpu::Residence::mapped),
       lightBuffer(owner, "light", sizeof(shared::LightParams), gpu::Residence::mapped),
-      idImage(target(owner, s.size, vk::Format::eR32Uint, "ids", Usage::eColorAttachment)),
+      idImage(target(owner, s.size, vk::Format::eR32Uint, "ids",
+                     Usage::eColorAttachment | Usage::eStorage)),
       depthBuffer(target(owner, s.size, vk::Format::eD32Sfloat, "depth buffer",
                          Usage::eDepthStencilAttachment)),
       shadowMap(target(owner, {s.shadowMapSize, s.shadowMapSize}, vk::Format::eD32Sfloat,
@@ -90,22 +92,38 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       rec(owner) {}
 
 gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers& levers) {
-    const glm::mat4 clipFromWorld = camera.clipFromView(aspect) * camera.viewFromWorld();
     rec.begin();
-
     drawShadowMap(rec, camera);
     writeUniforms(camera);
 
     // Which triangle does each pixel show?
-    cull.record(rec, *scene, {clipFromWorld, camera.eye, options.size}, eyeList);
+    cull.record(rec, *scene, {clipFromWorld(camera), camera.eye, options.size}, eyeList);
     rec.barrier(Stage::compute, Stage::raster);
     rec.barrier(Stage::compute, Stage::indirect);
-    capture.record(rec, *scene, eyeList, clipFromWorld, {idImage, depthBuffer}, "capture");
+    capture.record(rec, *scene, eyeList, clipFromWorld(camera), {idImage, depthBuffer}, "capture");
     rec.barrier(Stage::raster, Stage::compute);
 
+    shade(levers);
+    return rec.submit();
+}
+
+gpu::FrameTimes Frame::rebuild(const visibility::CompactRecord& from, const scene::Camera& camera,
+                               const budget::Levers& levers) {
+    if (!rebuilding || rebuilding->side != from.side)
+        rebuilding = Rebuilding{from.side, {*device, from.side}};
+    rec.begin();
+    drawShadowMap(rec, camera);
+    writeUniforms(camera);
+    rebuilding->expand.record(rec, *scene, from, clipFromWorld(camera), idImage);
+    rec.barrier(Stage::compute, Stage::compute);
+    shade(levers);
+    return rec.submit();
+}
+
+void Frame::shade(const budget::Levers& levers) {
     // The expensive terms on grid S, and what is exact on grid O.
     const shading::Coarse::Inputs coarseInputs{idImage, shadowMap, viewBuffer, lightBuffer};
-    rebuild.record(rec, *scene, {idImage, viewBuffer}, surfaces);
+    rebuildPass.record(rec, *scene, {idImage, viewBuffer}, surfaces);
     if (levers.shadingRate > 1) {
         coarse.record(rec, *scene, coarseInputs, levers.shadingRate, coarseImage);
         rec.barrier(Stage::compute, Stage::compute);
@@ -125,8 +143,79 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
                    radianceImage);
     rec.barrier(Stage::compute, Stage::compute);
     tonemap.record(rec, radianceImage, options.exposure, displayImage);
+}
 
-    return rec.submit();
+glm::mat4 Frame::clipFromWorld(const scene::Camera& camera) const {
+    return camera.clipFromView(aspect) * camera.viewFromWorld();
+}
+
+Frame::Smooth Frame::makeSmooth(std::uint32_t side, std::uint32_t capacity) const {
+    visibility::FragmentSet set(*device, options.size, capacity);
+    const vk::Extent2D more = set.moreIds.extent();
+    const auto radiance = [&](vk::Extent2D extent, const char* name) {
+        return target(*device, extent, vk::Format::eR16G16B16A16Sfloat, name, Usage::eStorage);
+    };
+    return {.side = side,
+            .fragments = {*device, side},
+            .resolve = {*device, side},
+            .set = std::move(set),
+            .surfaces = {*device, more},
+            .terms = radiance(more, "fragments: terms"),
+            .radiance = radiance(more, "fragments: radiance"),
+            .mainRadiance = radiance(options.size, "fragments: main radiance")};
+}
+
+gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
+                                          const scene::Camera& camera) {
+    if (from.base != options.size)
+        throw std::invalid_argument("Frame::rebuildAntialiased: the record has another size");
+    const std::uint32_t pixels = from.base.width * from.base.height;
+    if (!smooth || smooth->side != from.side) smooth.emplace(makeSmooth(from.side, pixels / 4 + 1));
+    rec.begin();
+    smooth->fragments.recordCount(rec, *scene, from, clipFromWorld(camera), camera.eye,
+                                  smooth->set);
+    const gpu::FrameTimes counted = rec.submit();
+    if (const std::uint32_t needed = smooth->set.needed(); needed > smooth->set.capacity) {
+        // Rare enough to count again, in a set that has room.
+        smooth.emplace(makeSmooth(from.side, needed + needed / 4));
+        return rebuildAntialiased(from, camera);
+    }
+
+    rec.begin();
+    drawShadowMap(rec, camera);
+    writeUniforms(camera);
+    auto& set = smooth->set;
+    smooth->fragments.recordWrite(rec, *scene, from, clipFromWorld(camera), camera.eye, set);
+    rec.barrier(Stage::compute, Stage::compute);
+    const auto shadeAt = [&](const gpu::View& ids, const gpu::View& points,
+                             const visibility::Surface& surface, const gpu::View& terms,
+                             const gpu::View& radiance) {
+        rebuildPass.record(rec, *scene, {ids, viewBuffer, points, options.size}, surface);
+        coarse.recordFull(rec, *scene, {ids, shadowMap, viewBuffer, lightBuffer, points}, terms);
+        rec.barrier(Stage::compute, Stage::compute);
+        combine.record(rec,
+                       {viewBuffer, lightBuffer, surface.depth, surface.material, surface.emissive,
+                        terms, skyImage, scene->lights, points},
+                       radiance);
+    };
+    shadeAt(set.ids, set.points, surfaces, termImage, smooth->mainRadiance);
+    const auto part = [&](const gpu::Image& image) {
+        gpu::View view = image;
+        view.extent = set.moreExtent();
+        return view;
+    };
+    if (set.needed() > 0)
+        shadeAt(part(set.moreIds), part(set.morePoints), smooth->surfaces, part(smooth->terms),
+                part(smooth->radiance));
+    rec.barrier(Stage::compute, Stage::compute);
+    smooth->resolve.record(rec, set, smooth->mainRadiance, smooth->radiance, radianceImage);
+    rec.barrier(Stage::compute, Stage::compute);
+    tonemap.record(rec, radianceImage, options.exposure, displayImage);
+    gpu::FrameTimes times = rec.submit();
+    times.gpuMs += counted.gpuMs;
+    times.wallMs += counted.wallMs;
+    times.passes.insert(times.passes.begin(), counted.passes.begin(), counted.passes.end());
+    return times;
 }
 
 void Frame::drawShadowMap(gpu::Recorder& r, const scene::Camera& camera) {

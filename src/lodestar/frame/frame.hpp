@@ -13,6 +13,8 @@
 #include <lodestar/shading/sun_shadow.hpp>
 #include <lodestar/upsample/upsample.hpp>
 #include <lodestar/visibility/capture_ss.hpp>
+#include <lodestar/visibility/expand.hpp>
+#include <lodestar/visibility/fragments.hpp>
 #include <lodestar/visibility/rebuild.hpp>
 
 namespace lodestar::frame {
@@ -25,6 +27,7 @@ struct FrameSettings {
     std::uint32_t shadowMapSize = 2048;  ///< texels a side
     float shadowDistance = 0;            ///< how far shadows are drawn [scene units]; 0 = chosen
     float exposure = 1;
+    float aspect = 0;  ///< width / height that the picture shows; 0 = that of `size`
     upsample::Reconstruct reconstruct = upsample::Reconstruct::bilateral;
     upsample::Sigmas sigmas;
 };
@@ -38,6 +41,16 @@ public:
     /// Renders one picture and waits for it.
     gpu::FrameTimes render(const scene::Camera&, const budget::Levers&);
 
+    /// The same picture from visibility that was captured before, at any size: `record` is a
+    /// capture of the same camera and aspect.
+    gpu::FrameTimes rebuild(const visibility::CompactRecord&, const scene::Camera&,
+                            const budget::Levers&);
+    /// Anti-aliased, at the size of the record's grid B and at full shading rate: every surface a
+    /// pixel lists is shaded once and weighs as many samples as show it.
+    gpu::FrameTimes rebuildAntialiased(const visibility::CompactRecord&, const scene::Camera&);
+    /// Of the last rebuildAntialiased: fragments shaded beyond one a pixel.
+    std::uint32_t furtherFragments() const { return smooth ? smooth->set.needed() : 0; }
+
     /// The last picture: RGBA8, sRGB-encoded.
     const gpu::Image& display() const { return displayImage; }
     const gpu::Image& radiance() const { return radianceImage; }
@@ -50,6 +63,24 @@ public:
 
 private:
     void drawShadowMap(gpu::Recorder&, const scene::Camera&);
+    void shade(const budget::Levers&);
+    glm::mat4 clipFromWorld(const scene::Camera&) const;
+
+    /// What rebuilding from records of one rate needs.
+    struct Rebuilding {
+        std::uint32_t side;
+        visibility::Expand expand;
+    };
+    /// What anti-aliasing needs beside it.
+    struct Smooth {
+        std::uint32_t side;
+        visibility::Fragments fragments;
+        visibility::Resolve resolve;
+        visibility::FragmentSet set;
+        visibility::Surface surfaces;  // of the further fragments
+        gpu::Image terms, radiance, mainRadiance;
+    };
+    Smooth makeSmooth(std::uint32_t side, std::uint32_t capacity) const;
     void writeUniforms(const scene::Camera&);
 
     const gpu::Device* device;
@@ -60,7 +91,7 @@ private:
 
     geometry::Cull cull;
     visibility::CaptureSs capture, shadowCapture;
-    visibility::Rebuild rebuild;
+    visibility::Rebuild rebuildPass;
     shading::Coarse coarse;
     upsample::Upsample upsample;
     shading::Combine combine;
@@ -74,6 +105,8 @@ private:
 
     shading::SunView sun;
     std::optional<std::uint64_t> shadowVersion;  ///< of the scene the shadow map was drawn from
+    std::optional<Rebuilding> rebuilding;
+    std::optional<Smooth> smooth;
     gpu::Recorder rec;
 };
 

@@ -11,6 +11,7 @@
 // the surface seen through the texel's centre.
 layout(local_size_x = 8, local_size_y = 8) in;
 
+layout(constant_id = 1) const uint kPoints = 0;    // 1: at `points`, not at the centres of texels
 layout(constant_id = 0) const uint kFullRate = 0;  // 1: S is O, write the terms alone
 
 layout(binding = 6, scalar) uniform View { ViewParams view; };
@@ -20,6 +21,7 @@ layout(binding = 9) uniform sampler2D shadowMap;
 // One binding, of which the constant picks the reading.
 layout(binding = 10, rgba32ui) writeonly uniform uimage2D outCoarse;
 layout(binding = 10, rgba16f) writeonly uniform image2D outTerms;
+layout(binding = 11) uniform sampler2D points;  // NDC
 layout(push_constant, scalar) uniform Push { CoarseParams params; };
 
 void write(ivec2 texel, vec4 terms, vec3 viewNormal, float depth) {
@@ -37,6 +39,8 @@ void main() {
     const vec2 centre = (vec2(texel) + 0.5) * params.rate;
     const vec2 inside = min(centre, vec2(params.fullSize) - 0.5);
     const uint id = texelFetch(ids, ivec2(inside), 0).x;
+    const vec2 ndc = kPoints != 0 ? texelFetch(points, texel, 0).xy
+                                  : inside / vec2(params.fullSize) * 2 - 1;
     if (id == 0) {
         write(texel, vec4(0, 0, 0, 1), vec3(0, 0, 1), 0);
         return;
@@ -45,8 +49,7 @@ void main() {
     const Triangle t = loadTriangle(id);
     Barycentrics b =
         barycentricsAt(view.clipFromWorld * vec4(t.p0, 1), view.clipFromWorld * vec4(t.p1, 1),
-                       view.clipFromWorld * vec4(t.p2, 1),
-                       inside / vec2(params.fullSize) * 2 - 1);
+                       view.clipFromWorld * vec4(t.p2, 1), ndc);
     const vec3 position = t.p0 * b.at.x + t.p1 * b.at.y + t.p2 * b.at.z;
     const vec3 face = faceNormal(t);
     const float side = dot(face, view.eye - position) < 0 ? -1 : 1;

@@ -14,14 +14,14 @@ constexpr std::uint32_t kCode[] =
 
 using gpu::Slot;
 
-gpu::Kernel makeKernel(const gpu::Device& device, bool full) {
+gpu::Kernel makeKernel(const gpu::Device& device, bool full, bool points) {
     return {device,
             full ? "terms" : "coarse terms",
             kCode,
             scene::withSceneSlots({Slot::uniformBuffer, Slot::uniformBuffer, Slot::sampledImage,
-                                   Slot::sampledImage, Slot::storageImage}),
+                                   Slot::sampledImage, Slot::storageImage, Slot::sampledImage}),
             sizeof(shared::CoarseParams),
-            {full}};
+            {full, points}};
 }
 
 }  // namespace
@@ -36,8 +36,9 @@ vk::Extent2D coarseExtent(vk::Extent2D full, float rate) {
 
 Coarse::Coarse(const gpu::Device& device)
     : pointSampler(device.vk(), vk::SamplerCreateInfo{}),
-      coarseKernel(makeKernel(device, false)),
-      fullKernel(makeKernel(device, true)) {}
+      coarseKernel(makeKernel(device, false, false)),
+      fullKernel(makeKernel(device, true, false)),
+      pointKernel(makeKernel(device, true, true)) {}
 
 void Coarse::record(gpu::Recorder& rec, const scene::GpuScene& scene, const Inputs& in, float rate,
                     gpu::View coarse) const {
@@ -46,7 +47,7 @@ void Coarse::record(gpu::Recorder& rec, const scene::GpuScene& scene, const Inpu
 
 void Coarse::recordFull(gpu::Recorder& rec, const scene::GpuScene& scene, const Inputs& in,
                         gpu::View terms) const {
-    recordWith(rec, fullKernel, scene, in, 1, terms);
+    recordWith(rec, in.points ? pointKernel : fullKernel, scene, in, 1, terms);
 }
 
 void Coarse::recordWith(gpu::Recorder& rec, const gpu::Kernel& kernel, const scene::GpuScene& scene,
@@ -56,11 +57,16 @@ void Coarse::recordWith(gpu::Recorder& rec, const gpu::Kernel& kernel, const sce
     const shared::CoarseParams params{
         .size = {size.width, size.height}, .fullSize = {full.width, full.height}, .rate = rate};
     const auto pass = rec.pass("terms");
-    rec.dispatch(
-        kernel, gpu::groups8x8(size),
-        scene::withScene(
-            scene, {in.view, in.light, {in.ids, pointSampler}, {in.shadowMap, pointSampler}, out}),
-        params);
+    rec.dispatch(kernel, gpu::groups8x8(size),
+                 scene::withScene(
+                     scene, {in.view,
+                             in.light,
+                             {in.ids, pointSampler},
+                             {in.shadowMap, pointSampler},
+                             out,
+                             // Without points that binding is not read: any image of floats does.
+                             {in.points ? *in.points : in.shadowMap, pointSampler}}),
+                 params);
 }
 
 }  // namespace lodestar::shading

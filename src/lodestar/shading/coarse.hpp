@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include <lodestar/gpu/recorder.hpp>
 #include <lodestar/scene/gpu_scene.hpp>
 
@@ -20,6 +22,9 @@ public:
         gpu::View shadowMap;       ///< D32_SFLOAT, reversed
         const gpu::Buffer& view;   ///< shared::ViewParams
         const gpu::Buffer& light;  ///< shared::LightParams
+        /// RG32_SFLOAT, of the extent of `ids`, for recordFull: where each is met, in NDC; none: at
+        /// the centres of pixels
+        std::optional<gpu::View> points = {};
     };
     /// Writes the part of `coarse` (RGBA32_UINT) that coarseExtent(ids, rate) names.
     void record(gpu::Recorder&, const scene::GpuScene&, const Inputs&, float rate,
@@ -32,7 +37,7 @@ private:
                     float rate, gpu::View out) const;
 
     vk::raii::Sampler pointSampler;
-    gpu::Kernel coarseKernel, fullKernel;
+    gpu::Kernel coarseKernel, fullKernel, pointKernel;
 };
 
 }  // namespace lodestar::shading
