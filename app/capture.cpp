@@ -84,8 +84,9 @@ Result<void> run(Options options) {
     frame::CaptureFrame capture(*session->device, *session->gpuScene, options.settings);
     const frame::CaptureFrame::Done done = capture.capture(*camera);
     if (done.recaptured > 0)
-        fmt::print("note: captured again: the first pool had room for {} list entries, {} needed\n",
-                   formatCount(done.recaptured), formatCount(capture.compact().nodesNeeded()));
+        fmt::print(
+            "note: captured again: the first pool had room for {} words of lists, {} needed\n",
+            formatCount(done.recaptured), formatCount(capture.compact().wordsNeeded()));
     visibility::Stream stream{
         .record = visibility::readRecord(*session->device, capture.compact()),
         .camera = *camera,
@@ -111,7 +112,7 @@ Result<void> run(Options options) {
                          {"triangles_total", session->gpuScene->triangleCount()}};
         report.more["stream"] = {{"file_bytes", file.size()},
                                  {"heads_bytes", bytes.heads},
-                                 {"nodes_bytes", bytes.nodes},
+                                 {"lists_bytes", bytes.lists},
                                  {"thesis_layout_bytes", bytes.thesisTotal()},
                                  {"transient_bytes", capture.transientBytes()}};
         if (auto written = writeJson(options.json, toJson(report)); !written) return written;

@@ -206,7 +206,7 @@ TEST_F(CaptureTest, aPoolThatIsTooSmallIsFoundAndGrown) {
     const Subject columns(device(), "columns", 0);
     CaptureSettings settings{.base = {40, 24}, .side = 8, .backend = kCompute};
     const Record expected = capture(columns, settings);
-    settings.nodes = 7;
+    settings.words = 7;
     CaptureFrame frame(device(), columns.onGpu, settings);
     const CaptureFrame::Done done = frame.capture(columns.camera);
     EXPECT_EQ(done.recaptured, 7u);

@@ -99,7 +99,7 @@ TEST_F(CompactTest, equalsTheReferenceAtOddSizesAndEveryRate) {
                 const Record expected = compactReference(ids, base.width, base.height, side);
                 const CompactRecord out =
                     compact(ids, base, side, base.height, fromBuffer, 1u << 20);
-                ASSERT_EQ(out.nodesNeeded(), expected.nodes.size());
+                ASSERT_EQ(out.wordsNeeded(), pack(expected).lists.size());
                 expectSame(readRecord(device(), out), expected);
                 ASSERT_EQ(expandReference(expected), ids);
             }
@@ -118,18 +118,20 @@ TEST_F(CompactTest, overflowIsSeenAndWritesNothingPastTheEnd) {
     const vk::Extent2D base{16, 16};
     const auto ids = someIds(base, 8, 5);
     const Record whole = compactReference(ids, base.width, base.height, 8);
-    const auto needed = static_cast<std::uint32_t>(whole.nodes.size());
+    const auto needed = static_cast<std::uint32_t>(pack(whole).lists.size());
     const CompactRecord small = compact(ids, base, 8, 16, false, needed - 1);
     EXPECT_TRUE(small.overflowed());
-    EXPECT_EQ(small.nodesNeeded(), needed);
+    EXPECT_EQ(small.wordsNeeded(), needed);
     EXPECT_THROW(readRecord(device(), small), std::logic_error);
     const CompactRecord enough = compact(ids, base, 8, 16, false, needed);
     EXPECT_FALSE(enough.overflowed());
     expectSame(readRecord(device(), enough), whole);
     // What an overflowed record does hold is safe to walk.
-    const auto heads = gpu::as<shared::VisibilityHead>(
-        gpu::readBuffer(device(), small.heads.buffer(), 8 * base.width * base.height));
-    for (const auto& head : heads) EXPECT_TRUE(!hasList(head) || head.list < needed - 1);
+    const auto heads = gpu::as<std::uint32_t>(
+        gpu::readBuffer(device(), small.heads.buffer(), 4 * base.width * base.height));
+    for (const std::uint32_t head : heads)
+        EXPECT_TRUE((head & shared::LS_HEAD_LIST) == 0 ||
+                    (head & ~shared::LS_HEAD_LIST) + 2 < needed - 1);
 }
 
 TEST_F(CompactTest, uploadedRecordsReadBackTheSame) {
@@ -152,14 +154,20 @@ TEST(RecordReference, representativeHasMostSamplesAndTiesGoToTheSmallerId) {
     EXPECT_TRUE(isLast(r.nodes[0]) && isLast(r.nodes[1]));
     // The thesis: two 8-byte heads and two 16-byte nodes for each of the two mixed pixels.
     EXPECT_EQ(bytesOf(r).thesisTotal(), 2 * 8 + 4 * 16u);
-    EXPECT_EQ(bytesOf(r).total(), 2 * 8 + 2 * 12u);
+    // Here: two words, and two lists of a representative and a node of two words.
+    EXPECT_EQ(bytesOf(r).total(), 4 * (2 + 2 * 3u));
+    const PackedRecord packed = pack(r);
+    constexpr std::uint32_t kList = shared::LS_HEAD_LIST, kLast = shared::LS_LAST_NODE;
+    EXPECT_EQ(packed.heads, (std::vector<std::uint32_t>{kList, kList | 3}));
+    EXPECT_EQ(packed.lists, (std::vector<std::uint32_t>{9, 4 | kLast, 2, 5, 7 | kLast, 9}));
 }
 
 TEST(RecordReference, pixelsOfOneTriangleHaveNoList) {
     const Record r = compactReference(std::vector<std::uint32_t>{3, 3, 0, 0}, 4, 1, 1);
     EXPECT_TRUE(r.nodes.empty());
-    EXPECT_EQ(r.heads[0].list, shared::LS_LIST_NONE);
-    EXPECT_EQ(r.heads[2].list, shared::LS_LIST_EMPTY);
+    EXPECT_EQ(r.heads[0].list, kNoList);
+    EXPECT_EQ(r.heads[2].list, kNoList);
+    EXPECT_EQ(pack(r).heads, (std::vector<std::uint32_t>{3, 3, 0, 0}));
     EXPECT_EQ(r.fullMask(), 1u);
     EXPECT_THROW(compactReference(std::vector<std::uint32_t>(5), 2, 1, 2), std::invalid_argument);
 }

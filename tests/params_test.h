@@ -16,7 +16,6 @@
 #include "lodestar/visibility/expand_params.h"
 #include "lodestar/visibility/fragments_params.h"
 #include "lodestar/visibility/rebuild_params.h"
-#include "lodestar/visibility/record_params.h"
 #include "lodestar/visibility/view_params.h"
 LS_NAMESPACE_BEGIN
 
@@ -41,8 +40,6 @@ struct AllParams {
     LightParams light;
     UpsampleParams upsample;
     TonemapParams tonemap;
-    VisibilityHead head;
-    VisibilityNode node;
     CompactVisibilityParams compactVisibility;
     CaptureComputeParams captureCompute;
     CaptureQueueCounts captureQueue;
@@ -104,8 +101,6 @@ LS_NAMESPACE_END
     VISIT(p.upsample.size) VISIT(p.upsample.inverseRate) VISIT(p.upsample.depthFalloff) \
     VISIT(p.upsample.normalFalloff) \
     VISIT(p.tonemap.exposure) \
-    VISIT(p.head.id) VISIT(p.head.list) \
-    VISIT(p.node.id) VISIT(p.node.maskLow) VISIT(p.node.maskHigh) \
     VISIT(p.compactVisibility.width) VISIT(p.compactVisibility.firstRow) \
     VISIT(p.compactVisibility.rows) VISIT(p.compactVisibility.band) \
     VISIT(p.compactVisibility.capacity) \

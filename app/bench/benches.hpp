@@ -10,5 +10,11 @@ namespace lodestar::app {
 Bench shadingRateBench();
 /// How well a budget is held along a camera path.
 Bench budgetHoldBench();
+/// Tables 1 and 2 of the thesis: attributes and shading rebuilt from visibility, against REF.
+Bench visibilityQualityBench();
+/// Table 3: bytes.
+Bench visibilityMemoryBench();
+/// Table 4: times.
+Bench visibilityTimeBench();
 
 }  // namespace lodestar::app

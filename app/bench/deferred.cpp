@@ -188,7 +188,7 @@ void RecordRenderer::recordShade(gpu::Recorder& r, const gpu::Kernel& kernel,
     const auto pass = r.pass("shade");
     const auto& record = capturer.compact();
     const auto bindings = scene::withScene(
-        *scene, {record.heads, record.nodes, color, targets ? targets->depth : noDepth,
+        *scene, {record.heads, record.lists, color, targets ? targets->depth : noDepth,
                  targets ? targets->albedo : color, targets ? targets->normal : noIds,
                  scene->materials, gpu::Binding(scene->textureViews(), sampler), scene->secondUvs,
                  targets ? targets->id : noIds});

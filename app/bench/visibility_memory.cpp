@@ -13,12 +13,11 @@ namespace {
 
 constexpr std::uint32_t kSide = 8;  // the thesis's 1/64 compaction
 
-Result<void> measure(const VisibilitySubject& subject, const NamedSize& size,
-                     const BenchOptions&, BenchResult& result) {
+Result<void> measure(const VisibilitySubject& subject, const NamedSize& size, const BenchOptions&,
+                     BenchResult& result) {
     const gpu::Device& device = *subject.session.device;
     const vk::Extent2D base{size.width / kSide, size.height / kSide};
-    frame::CaptureFrame capture(device, *subject.session.gpuScene,
-                                {.base = base, .side = kSide});
+    frame::CaptureFrame capture(device, *subject.session.gpuScene, {.base = base, .side = kSide});
     capture.capture(subject.camera);
     visibility::Stream stream{.record = visibility::readRecord(device, capture.compact()),
                               .camera = subject.camera,
@@ -29,7 +28,7 @@ Result<void> measure(const VisibilitySubject& subject, const NamedSize& size,
     const std::uint64_t pixels = std::uint64_t{size.width} * size.height;
     Json row = visibilityRow("memory", subject, size, nameOf(capture.backend()), kSide);
     row["heads_bytes"] = bytes.heads;
-    row["list_bytes"] = bytes.nodes;
+    row["list_bytes"] = bytes.lists;
     row["nodes"] = stream.record.nodes.size();
     row["mixed_share"] = share(bytes.mixedPixels, stream.record.heads.size());
     row["total_bytes"] = bytes.total();
@@ -79,14 +78,13 @@ Result<BenchResult> run(const BenchOptions& options) {
 std::vector<Bar> barsOf(const Json& rows) {
     std::vector<Bar> bars;
     for (const Json& row : rows) {
-        const std::string place =
-            fmt::format("{} {}", row.at("scene").get<std::string>(), row.at("size").get<std::string>());
+        const std::string place = fmt::format("{} {}", row.at("scene").get<std::string>(),
+                                              row.at("size").get<std::string>());
         const double memory = 100 * row.at("of_thesis_share").get<double>();
-        bars.push_back({"in memory, of the thesis's layout: " + place, memory, "%", "<= 60",
-                        memory <= 60});
-        const double file = 100 * row.at("lvis_of_thesis_share").get<double>();
         bars.push_back(
-            {".lvis, of the thesis's layout: " + place, file, "%", "<= 20", file <= 20});
+            {"in memory, of the thesis's layout: " + place, memory, "%", "<= 60", memory <= 60});
+        const double file = 100 * row.at("lvis_of_thesis_share").get<double>();
+        bars.push_back({".lvis, of the thesis's layout: " + place, file, "%", "<= 20", file <= 20});
         if (row.at("size") != "16K") continue;
         const double peak = row.at("transient_bytes").get<double>() / 1e6;
         bars.push_back({"transient peak: " + place, peak, "MB", "<= 300", peak <= 300});
@@ -98,8 +96,9 @@ std::vector<Bar> barsOf(const Json& rows) {
 
 Bench visibilityMemoryBench() {
     return {.name = "visibility-memory",
-            .what = "bytes of compact visibility: heads, lists, streams, against the thesis and a "
-                    "G-buffer",
+            .what =
+                "bytes of compact visibility: heads, lists, streams, against the thesis and a "
+                "G-buffer",
             .run = run,
             .bars = barsOf,
             .tables = {{"memory",

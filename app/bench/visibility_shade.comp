@@ -3,8 +3,9 @@
 #extension GL_GOOGLE_include_directive : require
 #include "deferred_params.h"
 #include <lodestar/visibility/triangle.glsl>
+layout(constant_id = 3) const uint kSide = 4;
 #define LS_HEADS_BINDING 6
-#define LS_NODES_BINDING 7
+#define LS_LISTS_BINDING 7
 #include <lodestar/visibility/record.glsl>
 #define LS_MATERIAL_BINDING 12
 #define LS_TEXTURE_BINDING 13
@@ -17,7 +18,6 @@ layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(constant_id = 1) const uint kBaseColorArrays = 255;
 layout(constant_id = 2) const uint kNormalArrays = 255;
-layout(constant_id = 3) const uint kSide = 4;
 layout(constant_id = 4) const uint kAttributes = 0;  // 1: write them, rather than the colour
 
 layout(binding = 8, rgba8) writeonly uniform image2D outColor;
@@ -39,10 +39,10 @@ void main() {
     if (any(greaterThanEqual(pixel, size))) return;
     const ivec2 owner = pixel / int(kSide), inside = pixel % int(kSide);
     const uint sample_ = uint(inside.y) * kSide + uint(inside.x);
-    const VisibilityHead head = loadHead(uint(owner.y) * params.base.x + uint(owner.x));
+    const Head head = loadHead(uint(owner.y) * params.base.x + uint(owner.x));
     uint id = head.id;
-    for (uint i = head.list; hasList(head); ++i) {
-        const VisibilityNode node = loadNode(i);
+    for (uint i = head.list; head.listed; i += kNodeWords) {
+        const Node node = loadNode(i);
         if (shows(node, sample_)) id = node.id & ~LS_LAST_NODE;
         if ((node.id & LS_LAST_NODE) != 0) break;
     }

@@ -58,11 +58,11 @@ Result<void> measure(const VisibilitySubject& subject, const NamedSize& size,
          {CaptureBackend::compute, CaptureBackend::supersample, CaptureBackend::multisample}) {
         if (backend == CaptureBackend::compute && !device.hasInt64Atomics()) continue;
         if (backend == CaptureBackend::multisample && device.multisamples() < 4) continue;
-        ours.emplace_back(nameOf(backend),
-                          std::make_unique<RecordRenderer>(
-                              device, scene,
-                              frame::CaptureSettings{
-                                  .base = base, .side = kSide, .backend = backend}));
+        ours.emplace_back(
+            nameOf(backend),
+            std::make_unique<RecordRenderer>(
+                device, scene,
+                frame::CaptureSettings{.base = base, .side = kSide, .backend = backend}));
     }
     std::vector<Times> times(ours.size());
     Times referenceTimes;
@@ -103,22 +103,20 @@ Json publishedRows() {
             for (std::size_t i = 0; i < cells.size(); ++i) {
                 const Json& reference = table.at(triangles).at("ref")[i];
                 const double ours = cells[i][0].get<double>() + cells[i][1].get<double>();
-                rows.push_back({{"source", "thesis, table 4 (RTX 3090)"},
-                                {"triangles", triangles},
-                                {"size", table.at("columns")[i]},
-                                {"method", method},
-                                {"sampling_ms", cells[i][0]},
-                                {"shading_ms", cells[i][1]},
-                                {"of_ref", ours / (reference[0].get<double>() +
-                                                   reference[1].get<double>())}});
+                rows.push_back(
+                    {{"source", "thesis, table 4 (RTX 3090)"},
+                     {"triangles", triangles},
+                     {"size", table.at("columns")[i]},
+                     {"method", method},
+                     {"sampling_ms", cells[i][0]},
+                     {"shading_ms", cells[i][1]},
+                     {"of_ref", ours / (reference[0].get<double>() + reference[1].get<double>())}});
             }
     return rows;
 }
 
 Result<BenchResult> run(const BenchOptions& options) {
-    auto cases = options.scene.empty()
-                     ? benchCases(options, {{"sponza.glb", "nave", ""}})
-                     : benchCases(options, {});
+    auto cases = benchCases(options, {{"sponza.glb", "nave", ""}});
     if (!cases) return tl::unexpected(cases.error());
     if (options.scene.empty()) {
         cases->push_back({"builtin:grid:1000000", "above", ""});
@@ -149,11 +147,11 @@ std::vector<Bar> barsOf(const Json& rows) {
         if (row.at("size") != "UHD" && row.at("width").get<int>() >= 640) continue;
         const double goal = row.at("triangles").get<std::uint64_t>() > 5'000'000 ? 0.7 : 0.9;
         const double value = row.at("of_ref").get<double>();
-        bars.push_back({fmt::format("(sampling + shading) / REF: {} {}, {}",
-                                    row.at("scene").get<std::string>(),
-                                    row.at("size").get<std::string>(),
-                                    row.at("method").get<std::string>()),
-                        value, "x", fmt::format("<= {}", goal), value <= goal});
+        bars.push_back(
+            {fmt::format("(sampling + shading) / REF: {} {}, {}",
+                         row.at("scene").get<std::string>(), row.at("size").get<std::string>(),
+                         row.at("method").get<std::string>()),
+             value, "x", fmt::format("<= {}", goal), value <= goal});
     }
     return bars;
 }
@@ -161,14 +159,14 @@ std::vector<Bar> barsOf(const Json& rows) {
 }  // namespace
 
 Bench visibilityTimeBench() {
-    return {.name = "visibility-time",
-            .what = "capture, compaction and shading by each backend against deferred shading",
-            .run = run,
-            .bars = barsOf,
-            .tables = {{"time",
-                        {"scene", "size", "method", "sampling_ms", "shading_ms", "total_ms",
-                         "of_ref", "cull_pass_ms", "capture_pass_ms", "compact_pass_ms",
-                         "gbuffer_pass_ms"}}}};
+    return {
+        .name = "visibility-time",
+        .what = "capture, compaction and shading by each backend against deferred shading",
+        .run = run,
+        .bars = barsOf,
+        .tables = {{"time",
+                    {"scene", "size", "method", "sampling_ms", "shading_ms", "total_ms", "of_ref",
+                     "cull_pass_ms", "capture_pass_ms", "compact_pass_ms", "gbuffer_pass_ms"}}}};
 }
 
 }  // namespace lodestar::app

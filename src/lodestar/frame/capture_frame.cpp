@@ -61,9 +61,9 @@ std::uint32_t bandCount(std::uint32_t height, std::uint32_t rows) {
 }
 
 std::uint32_t firstPool(const CaptureSettings& s) {
-    if (s.nodes > 0) return s.nodes;
+    if (s.words > 0) return s.words;
     const std::uint64_t pixels = std::uint64_t{s.base.width} * s.base.height;
-    return s.side == 1 ? 1 : static_cast<std::uint32_t>(std::max<std::uint64_t>(pixels, 4096));
+    return s.side == 1 ? 1 : static_cast<std::uint32_t>(std::max<std::uint64_t>(2 * pixels, 4096));
 }
 
 gpu::Image image(const gpu::Device& device, vk::Extent2D extent, vk::Format format,
@@ -192,7 +192,7 @@ CaptureFrame::Done CaptureFrame::capture(const scene::Camera& camera) {
 }
 
 void CaptureFrame::grow() {
-    const std::uint64_t needed = out.nodesNeeded();
+    const std::uint64_t needed = out.wordsNeeded();
     const auto room = static_cast<std::uint32_t>(needed + needed / 4);
     out = visibility::CompactRecord(*device, settings.base, settings.side, room, out.bands);
 }

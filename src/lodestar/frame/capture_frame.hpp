@@ -25,7 +25,7 @@ struct CaptureSettings {
     CaptureBackend backend = CaptureBackend::automatic;
     /// What exists only during a capture (a band of grid C and its depths) stays below this.
     std::uint64_t transientBytes = 280ull << 20;
-    std::uint32_t nodes = 0;     ///< first size of the node pool; 0 = chosen
+    std::uint32_t words = 0;       ///< first size of the pool of lists; 0 = chosen
     std::uint32_t bandRows = 0;  ///< rows of grid B a band; 0 = as many as fit
 };
 
@@ -44,14 +44,14 @@ public:
     /// Adds the capture of a frame; the record is then visible to compute. After submit() look at
     /// record().overflowed(), or use capture().
     void record(gpu::Recorder&, const scene::Camera&);
-    /// Records, submits and waits. A frame whose nodes overflow the pool is captured again with a
+    /// Records, submits and waits. A frame whose lists overflow the pool is captured again with a
     /// larger one: `recaptured` says so.
     struct Done {
         gpu::FrameTimes times;         ///< of the capture that counts
-        std::uint32_t recaptured = 0;  ///< nodes of the pool that was too small; 0 = it was not
+        std::uint32_t recaptured = 0;  ///< words of the pool that was too small; 0 = it was not
     };
     Done capture(const scene::Camera&);
-    /// Makes the node pool fit what the last frame needed, with some room.
+    /// Makes the pool of lists fit what the last frame needed, with some room.
     void grow();
 
     const visibility::CompactRecord& compact() const { return out; }

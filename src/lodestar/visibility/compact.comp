@@ -2,23 +2,25 @@
 #version 460
 #include "compact_params.h"
 
-// From the ids of a band of grid C to heads and nodes, one thread a pixel of grid B. Twice: the
-// first run writes heads and counts nodes, the second, after the counts are summed, writes nodes.
+// From the ids of a band of grid C to heads and lists, one thread a pixel of grid B. Twice: the
+// first run finds representatives and counts words, the second, after the counts are summed, writes
+// the lists.
 layout(local_size_x = LS_COMPACT_GROUP) in;
 
 layout(constant_id = 0) const uint kSide = 8;       // s: samples a side of a pixel
 layout(constant_id = 1) const uint kFromBuffer = 0;  // samples lie in `words`, not in `ids`
-layout(constant_id = 2) const uint kWriteNodes = 0;
+layout(constant_id = 2) const uint kWriteLists = 0;
 
 layout(binding = 0) uniform usampler2D ids;
 layout(binding = 1) uniform usamplerBuffer words;  // a sample: id, depth
-layout(binding = 2, scalar) buffer Heads { VisibilityHead heads[]; };
-layout(binding = 3, scalar) buffer Counts { uint counts[]; };  // a pixel of the band
-layout(binding = 4, scalar) writeonly buffer Nodes { VisibilityNode nodes[]; };
+layout(binding = 2, scalar) buffer Heads { uint heads[]; };
+layout(binding = 3, scalar) buffer Counts { uint counts[]; };  // words of a pixel's list
+layout(binding = 4, scalar) writeonly buffer Lists { uint lists[]; };
 layout(binding = 5, scalar) buffer Totals { uint totals[]; };
 layout(push_constant, scalar) uniform Push { CompactVisibilityParams params; };
 
 const uint kSamples = kSide * kSide;
+const uint kNodeWords = kSide == 8 ? 3 : 2;
 const uint kNoId = 0xffffffffu;
 
 uvec2 pixel;  // of the band
@@ -66,7 +68,7 @@ uint takeFromRest(out uvec2 mask) {
     return id;
 }
 
-void countNodes(uint at, uint headAt) {
+void countWords(uint at, uint headAt) {
     const uint first = sampleId(0);
     bool mixed = false;
     for (uint i = 1; i < kSamples; ++i) mixed = mixed || sampleId(i) != first;
@@ -92,32 +94,38 @@ void countNodes(uint at, uint headAt) {
         }
         ++distinct;
     }
-    heads[headAt] = VisibilityHead(best, mixed ? 0 : best == 0 ? LS_LIST_EMPTY : LS_LIST_NONE);
-    counts[at] = distinct - 1;
+    heads[headAt] = best;
+    counts[at] = mixed ? 1 + kNodeWords * (distinct - 1) : 0;
 }
 
-void writeNodes(uint at, uint headAt) {
+void writeNode(inout uint to, uint end, uint id, uvec2 mask) {
+    lists[to] = id | (to + kNodeWords == end ? LS_LAST_NODE : 0);
+    lists[to + 1] = mask.x;
+    if (kNodeWords == 3) lists[to + 2] = mask.y;
+    to += kNodeWords;
+}
+
+void writeList(uint at, uint headAt) {
     const uint before = totals[params.band];
     const uint begin = before + counts[at], end = before + counts[at + 1];
     const bool mixed = begin != end;
     // What does not fit is not written; the host sees the total and captures again.
     const bool fits = end <= params.capacity;
-    if (mixed) heads[headAt].list = fits ? begin : LS_LIST_NONE;
-
-    const uint representative = heads[headAt].id;
-    uint to = begin;
+    const uint representative = heads[headAt];
+    if (mixed && fits) {
+        heads[headAt] = LS_HEAD_LIST | begin;
+        lists[begin] = representative;
+    }
+    uint to = begin + 1;
     fillSlots(mixed && fits);
     for (uint i = 0; i < (mixed && fits ? 4 : 0); ++i) {
         if (slots[i] == kNoId || slots[i] == representative) continue;
-        const uint last = to + 1 == end ? LS_LAST_NODE : 0;
-        nodes[to++] = VisibilityNode(slots[i] | last, low[i], high[i]);
+        writeNode(to, end, slots[i], uvec2(low[i], high[i]));
     }
     while ((rest.x | rest.y) != 0) {
         uvec2 mask;
         const uint id = takeFromRest(mask);
-        if (id == representative) continue;
-        const uint last = to + 1 == end ? LS_LAST_NODE : 0;
-        nodes[to++] = VisibilityNode(id | last, mask.x, mask.y);
+        if (id != representative) writeNode(to, end, id, mask);
     }
 }
 
@@ -127,7 +135,7 @@ void main() {
     if (at >= pixels) {
         if (at == pixels) {
             // The band's own total, where the prefix sum wants a value and leaves the sum.
-            if (kWriteNodes == 0)
+            if (kWriteLists == 0)
                 counts[at] = 0;
             else
                 totals[params.band + 1] = totals[params.band] + counts[at];
@@ -136,8 +144,8 @@ void main() {
     }
     pixel = uvec2(at % params.width, at / params.width);
     const uint headAt = params.firstRow * params.width + at;
-    if (kWriteNodes == 0)
-        countNodes(at, headAt);
+    if (kWriteLists == 0)
+        countWords(at, headAt);
     else
-        writeNodes(at, headAt);
+        writeList(at, headAt);
 }

@@ -15,8 +15,6 @@ constexpr std::uint32_t kCode[] =
 
 using gpu::Slot;
 using gpu::Stage;
-using shared::VisibilityHead;
-using shared::VisibilityNode;
 
 std::uint32_t checkedSide(std::uint32_t side) {
     if (side != 1 && side != 2 && side != 4 && side != 8)
@@ -25,14 +23,14 @@ std::uint32_t checkedSide(std::uint32_t side) {
 }
 
 gpu::Kernel makeKernel(const gpu::Device& device, std::uint32_t side, bool fromBuffer,
-                       bool writeNodes) {
+                       bool writeLists) {
     return {device,
-            writeNodes ? "compact: nodes" : "compact: heads",
+            writeLists ? "compact: lists" : "compact: heads",
             kCode,
             {Slot::sampledImage, Slot::texelBuffer, Slot::storageBuffer, Slot::storageBuffer,
              Slot::storageBuffer, Slot::storageBuffer},
             sizeof(shared::CompactVisibilityParams),
-            {side, fromBuffer, writeNodes}};
+            {side, fromBuffer, writeLists}};
 }
 
 std::uint64_t pixelsOf(vk::Extent2D extent) {
@@ -47,10 +45,8 @@ CompactRecord::CompactRecord(const gpu::Device& device, vk::Extent2D baseSize, s
       side(checkedSide(s)),
       capacity(room),
       bands(bandCount),
-      heads(device, "visibility heads", sizeof(VisibilityHead) * pixelsOf(baseSize),
-            vk::Format::eR32G32Uint),
-      nodes(device, "visibility nodes", sizeof(VisibilityNode) * std::uint64_t{room},
-            vk::Format::eR32Uint),
+      heads(device, "visibility heads", 4 * pixelsOf(baseSize), vk::Format::eR32Uint),
+      lists(device, "visibility lists", 4ull * room, vk::Format::eR32Uint),
       totals(device, "visibility totals", 4ull * (bandCount + 1), gpu::Residence::mapped) {
     if (room == 0) throw std::invalid_argument("CompactRecord: capacity is 0");
     std::fill_n(totals.mapped<std::uint32_t>(), bands + 1, 0);
@@ -58,23 +54,22 @@ CompactRecord::CompactRecord(const gpu::Device& device, vk::Extent2D baseSize, s
 
 Record readRecord(const gpu::Device& device, const CompactRecord& from) {
     if (from.overflowed()) throw std::logic_error("readRecord: the record overflowed");
-    const std::uint32_t count = from.nodesNeeded();
-    Record record{.width = from.base.width,
-                  .height = from.base.height,
-                  .side = from.side,
-                  .heads = gpu::as<VisibilityHead>(gpu::readBuffer(
-                      device, from.heads.buffer(), sizeof(VisibilityHead) * pixelsOf(from.base)))};
-    if (count > 0)
-        record.nodes = gpu::as<VisibilityNode>(
-            gpu::readBuffer(device, from.nodes.buffer(), sizeof(VisibilityNode) * count));
-    return record;
+    using Words = std::vector<std::uint32_t>;
+    const auto words = [&](const gpu::TexelBuffer& buffer, std::uint64_t count) {
+        return count == 0
+                   ? Words()
+                   : gpu::as<std::uint32_t>(gpu::readBuffer(device, buffer.buffer(), 4 * count));
+    };
+    return unpack({words(from.heads, pixelsOf(from.base)), words(from.lists, from.wordsNeeded())},
+                  from.base.width, from.base.height, from.side);
 }
 
 CompactRecord uploadRecord(const gpu::Device& device, const Record& record) {
-    const auto count = static_cast<std::uint32_t>(record.nodes.size());
+    const PackedRecord packed = pack(record);
+    const auto count = static_cast<std::uint32_t>(packed.lists.size());
     CompactRecord out(device, {record.width, record.height}, record.side, std::max(count, 1u));
-    out.heads.buffer().upload(record.heads);
-    out.nodes.buffer().upload(record.nodes);
+    out.heads.buffer().upload(packed.heads);
+    out.lists.buffer().upload(packed.lists);
     out.totals.mapped<std::uint32_t>()[1] = count;
     return out;
 }
@@ -114,7 +109,7 @@ void Compact::record(gpu::Recorder& rec, const Samples& samples, const Band& ban
     const gpu::View& ids = samples.ids ? samples.ids->view() : noImage.view();
     const gpu::TexelBuffer& words = samples.words ? *samples.words : noWords;
     const std::vector<gpu::Binding> bindings{
-        {ids, sampler}, words, out.heads.buffer(), scratch.counts, out.nodes.buffer(), out.totals};
+        {ids, sampler}, words, out.heads.buffer(), scratch.counts, out.lists.buffer(), out.totals};
     const auto& [count, write] = kernels[samples.words ? 1 : 0];
     rec.dispatch(count, groups, bindings, params);
     rec.barrier(Stage::compute, Stage::compute);

@@ -11,7 +11,7 @@ namespace lodestar::visibility {
 
 /// The compact record of a frame on the device (record_params.h says what is in it).
 struct CompactRecord {
-    /// Room for `capacity` nodes (≥ 1) and a frame captured in at most `bands` bands.
+    /// Room for `capacity` words of lists (≥ 1) and a frame captured in at most `bands` bands.
     CompactRecord(const gpu::Device&, vk::Extent2D base, std::uint32_t side, std::uint32_t capacity,
                   std::uint32_t bands = 1);
 
@@ -19,14 +19,14 @@ struct CompactRecord {
     std::uint32_t side;  ///< s
     std::uint32_t capacity;
     std::uint32_t bands;
-    gpu::TexelBuffer heads;  ///< RG32_UINT: shared::VisibilityHead a pixel
-    gpu::TexelBuffer nodes;  ///< R32_UINT: shared::VisibilityNode
-    gpu::Buffer totals;      ///< mapped: nodes before each band; the frame's after the last
+    gpu::TexelBuffer heads;  ///< R32_UINT, one a pixel
+    gpu::TexelBuffer lists;  ///< R32_UINT
+    gpu::Buffer totals;      ///< mapped: words before each band; the frame's after the last
 
-    /// Nodes that the frame needed, as the device said when the frame was done. More than
+    /// Words of lists that the frame needed, as the device said when the frame was done. More than
     /// `capacity`: those did not fit, and the frame must be captured again.
-    std::uint32_t nodesNeeded() const { return totals.mapped<std::uint32_t>()[bands]; }
-    bool overflowed() const { return nodesNeeded() > capacity; }
+    std::uint32_t wordsNeeded() const { return totals.mapped<std::uint32_t>()[bands]; }
+    bool overflowed() const { return wordsNeeded() > capacity; }
 };
 
 /// Reads a finished record back. Throws std::logic_error when it overflowed.
@@ -60,7 +60,7 @@ private:
     gpu::PrefixSum prefixSum;
     gpu::Image noImage;
     gpu::TexelBuffer noWords;
-    std::array<std::array<gpu::Kernel, 2>, 2> kernels;  ///< [from a buffer][write nodes]
+    std::array<std::array<gpu::Kernel, 2>, 2> kernels;  ///< [from a buffer][write lists]
 };
 
 }  // namespace lodestar::visibility

@@ -10,8 +10,8 @@ struct CompactVisibilityParams {
     uint width;     // of grid B
     uint firstRow;  // of the band, in grid B
     uint rows;      // of the band
-    uint band;      // totals[band] nodes come before this band's
-    uint capacity;  // nodes that there is room for
+    uint band;      // totals[band] words of lists come before this band's
+    uint capacity;  // words that there is room for
 };
 
 LS_NAMESPACE_END

@@ -2,14 +2,14 @@
 #version 460
 #include "triangle.glsl"
 #include "expand_params.h"
+layout(constant_id = 0) const uint kSide = 1;  // s
 #define LS_HEADS_BINDING 6
-#define LS_NODES_BINDING 7
+#define LS_LISTS_BINDING 7
 #include "record.glsl"
 
 // From the compact record to the id of every pixel of grid O, one thread a pixel.
 layout(local_size_x = 8, local_size_y = 8) in;
 
-layout(constant_id = 0) const uint kSide = 1;  // s
 // 0: every pixel of O has its centre on a sample. 1: elsewhere, so edges are tested. 2: O is B, and
 // shows the representatives.
 layout(constant_id = 1) const uint kMode = 0;
@@ -30,7 +30,7 @@ float depthAt(uint id, vec2 ndc) {
     return all(greaterThanEqual(b.at, vec3(0))) ? b.depth : 0;
 }
 
-VisibilityHead headOf(ivec2 pixel) {
+Head headOf(ivec2 pixel) {
     return loadHead(uint(pixel.y) * params.base.x + uint(pixel.x));
 }
 
@@ -62,13 +62,13 @@ void main() {
     const ivec2 cell = min(ivec2(samples), gridC - 1);
     const ivec2 owner = cell / int(kSide), inside = cell % int(kSide);
     const uint sample_ = uint(inside.y) * kSide + uint(inside.x);
-    const VisibilityHead head = headOf(owner);
+    const Head head = headOf(owner);
 
     // Loops without iterations, rather than branches, for pixels without a list: some drivers run
     // both sides of a branch.
     uint seen = head.id;
-    for (uint i = head.list; hasList(head); ++i) {
-        const VisibilityNode node = loadNode(i);
+    for (uint i = head.list; head.listed; i += kNodeWords) {
+        const Node node = loadNode(i);
         if (shows(node, sample_)) seen = node.id & ~LS_LAST_NODE;
         if ((node.id & LS_LAST_NODE) != 0) break;
     }
@@ -79,18 +79,18 @@ void main() {
         bool mixed = false;
         for (int y = from.y; y <= to.y; ++y)
             for (int x = from.x; x <= to.x; ++x) {
-                const VisibilityHead other = headOf(ivec2(x, y));
-                mixed = mixed || hasList(other) || other.id != head.id;
+                const Head other = headOf(ivec2(x, y));
+                mixed = mixed || other.listed || other.id != head.id;
             }
         Hit hit = Hit(0, 0);
         bool background = false;
         const vec2 ndc = point * 2 - 1;
         for (int y = from.y; mixed && y <= to.y; ++y)
             for (int x = from.x; x <= to.x; ++x) {
-                const VisibilityHead other = headOf(ivec2(x, y));
+                const Head other = headOf(ivec2(x, y));
                 background = background || other.id == 0;
                 meet(other.id, seen, ndc, hit);
-                for (uint i = other.list; hasList(other); ++i) {
+                for (uint i = other.list; other.listed; i += kNodeWords) {
                     const uint listed = loadNode(i).id, id = listed & ~LS_LAST_NODE;
                     background = background || id == 0;
                     meet(id, seen, ndc, hit);

@@ -56,7 +56,7 @@ void Expand::recordMode(gpu::Recorder& rec, Mode mode, const scene::GpuScene& sc
     const auto pass = rec.pass("expand");
     rec.dispatch(
         kernels[mode], gpu::groups8x8(ids.extent),
-        scene::withScene(scene, {from.heads, from.nodes, ids}),
+        scene::withScene(scene, {from.heads, from.lists, ids}),
         shared::ExpandParams{.clipFromWorld = clipFromWorld,
                              .base = {from.base.width, from.base.height},
                              .size = {ids.extent.width, ids.extent.height},

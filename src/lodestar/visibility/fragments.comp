@@ -2,15 +2,15 @@
 #version 460
 #include "triangle.glsl"
 #include "fragments_params.h"
+layout(constant_id = 0) const uint kSide = 8;
 #define LS_HEADS_BINDING 6
-#define LS_NODES_BINDING 7
+#define LS_LISTS_BINDING 7
 #include "record.glsl"
 
 // The surfaces of each pixel of grid B, one thread a pixel: the triangles it lists, less those that
 // continue a surface already there. The first run counts, the second writes what is to be shaded.
 layout(local_size_x = 64) in;
 
-layout(constant_id = 0) const uint kSide = 8;
 layout(constant_id = 1) const uint kWrite = 0;
 
 layout(binding = 8, scalar) buffer Counts { uint counts[]; };  // further fragments before a pixel
@@ -90,8 +90,8 @@ void main() {
         return;
     }
     const uvec2 pixel = uvec2(at % params.base.x, at / params.base.x);
-    const VisibilityHead head = loadHead(at);
-    const bool mixed = hasList(head);
+    const Head head = loadHead(at);
+    const bool mixed = head.listed;
     const vec2 centre = ndcOf(pixel, vec2(0.5));
     const uint begin = kWrite != 0 ? counts[at] : 0;
 
@@ -102,11 +102,11 @@ void main() {
     uint more = 0;
     ids[0] = head.id;
     uvec2 others = uvec2(0);
-    for (uint i = head.list; mixed; ++i) {
+    for (uint i = head.list; mixed; i += kNodeWords) {
         if (i == head.list) kept[0] = patchOf(head.id, centre);
-        const VisibilityNode node = loadNode(i);
+        const Node node = loadNode(i);
         const uint id = node.id & ~LS_LAST_NODE;
-        const uvec2 mask = uvec2(node.maskLow, node.maskHigh);
+        const uvec2 mask = node.mask;
         const Patch own = patchOf(id, centre);
         int same = -1;
         for (int k = used - 1; k >= 0; --k)

@@ -78,7 +78,7 @@ void Fragments::dispatch(gpu::Recorder& rec, const gpu::Kernel& kernel,
     const std::uint32_t groupCount = gpu::groups(from.base.width * from.base.height + 1, kGroup);
     const std::uint32_t lines = gpu::groups(groupCount, 32768);
     rec.dispatch(kernel, {gpu::groups(groupCount, lines), lines, 1},
-                 scene::withScene(scene, {from.heads, from.nodes, set.offsets, set.ids, set.points,
+                 scene::withScene(scene, {from.heads, from.lists, set.offsets, set.ids, set.points,
                                           set.moreIds, set.morePoints, set.weights}),
                  shared::FragmentsParams{.clipFromWorld = clipFromWorld,
                                          .eye = eye,

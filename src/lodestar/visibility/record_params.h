@@ -4,28 +4,17 @@
 #include "../shared/types.h"
 LS_NAMESPACE_BEGIN
 
-// The compact visibility record: a head a pixel of grid B and a list of nodes for each pixel whose
-// samples show more than one triangle. Sample (x, y) of a pixel is bit y·s + x of a mask.
+// The compact visibility record: a word a pixel of grid B, and a pool of words with a list for each
+// pixel whose samples show more than one triangle. Sample (x, y) of a pixel is bit y·s + x of a
+// mask.
+//
+// A head is the id that all samples show (0 = background), or LS_HEAD_LIST | where the list starts.
+// A list is the representative (most samples; of equals the smaller id), then nodes: an id, with
+// LS_LAST_NODE in the last one, and its mask, one word or, of 64 samples, two. Nodes go by their
+// first samples. The representative has what their masks leave.
 
-const uint LS_LIST_NONE = 0xffffffffu;   // VisibilityHead::list: all samples show `id`
-const uint LS_LIST_EMPTY = 0xfffffffeu;  // the same, and `id` is the background
-const uint LS_LAST_NODE = 0x80000000u;   // bit of VisibilityNode::id: the list ends here
-
-struct VisibilityHead {
-    uint id;    // the representative: most samples; of equals the smaller id
-    uint list;  // first node, or one of the above
-};
-
-/// A further triangle (or the background, 0) of a pixel. Nodes of a pixel stand together, by their
-/// first samples. The representative has what their masks leave.
-struct VisibilityNode {
-    uint id;                 // with LS_LAST_NODE
-    uint maskLow, maskHigh;  // samples 0 … 31 and 32 … 63
-};
+const uint LS_HEAD_LIST = 0x80000000u;
+const uint LS_LAST_NODE = 0x80000000u;
 
 LS_NAMESPACE_END
-#ifdef __cplusplus
-static_assert(sizeof(lodestar::shared::VisibilityHead) == 8);
-static_assert(sizeof(lodestar::shared::VisibilityNode) == 12);
-#endif
 #endif

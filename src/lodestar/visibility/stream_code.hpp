@@ -47,8 +47,8 @@ inline constexpr std::uint8_t kMixed = 8;
 inline constexpr std::uint8_t kEscape = 255;  // the difference to the head is in nodeDeltas
 
 /// The pixels before this one whose representative its own is likely to be.
-inline std::array<std::uint32_t, kSameAs> earlier(const std::vector<shared::VisibilityHead>& heads,
-                                                  std::size_t width, std::size_t pixel) {
+inline std::array<std::uint32_t, kSameAs> earlier(const std::vector<Head>& heads, std::size_t width,
+                                                  std::size_t pixel) {
     const std::size_t x = pixel % width;
     const bool top = pixel < width, left = x == 0, right = x + 1 == width;
     return {left ? 0 : heads[pixel - 1].id, top ? 0 : heads[pixel - width].id,

@@ -137,9 +137,7 @@ private:
             }
             if (!known(id)) return wrong(fmt::format("pixel {}: an id of no cluster", pixel));
             const bool mixed = (code & kMixed) != 0;
-            const std::uint32_t list = mixed     ? 0
-                                       : id == 0 ? shared::LS_LIST_EMPTY
-                                                 : shared::LS_LIST_NONE;
+            const std::uint32_t list = mixed ? 0 : kNoList;
             record.heads.push_back({static_cast<std::uint32_t>(id), list});
             mixedPixels.resize(mixedPixels.size() + mixed, pixel);
         }
@@ -148,7 +146,7 @@ private:
 
     bool readNodes() {
         // What decoding reads of a pixel not yet reached must not look like a list.
-        for (const std::size_t pixel : mixedPixels) record.heads[pixel].list = shared::LS_LIST_NONE;
+        for (const std::size_t pixel : mixedPixels) record.heads[pixel].list = kNoList;
         for (const std::size_t pixel : mixedPixels) {
             const auto count = columns[counts].byte();
             if (!count || *count + 1u >= record.samples())
