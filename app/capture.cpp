@@ -81,6 +81,9 @@ Result<void> run(Options options) {
 
     fmt::print("{} at {}x{} on {}\n", printable(options.scene), size.width, size.height,
                session->device->description().name);
+    if (options.settings.backend == frame::CaptureBackend::automatic)
+        options.settings.backend =
+            frame::chooseBackend(*session->device, *session->gpuScene, options.settings, *camera);
     frame::CaptureFrame capture(*session->device, *session->gpuScene, options.settings);
     const frame::CaptureFrame::Done done = capture.capture(*camera);
     if (done.recaptured > 0)

@@ -281,6 +281,18 @@ TEST_F(CaptureTest, representativesAreTheHeads) {
     EXPECT_EQ(rebuilt(columns, settings, {31, 17}, true), heads);
 }
 
+TEST_F(CaptureTest, theAutomaticBackendFollowsTheSizeOfTriangles) {
+    if (!device().hasInt64Atomics()) GTEST_SKIP() << "no choice";
+    const CaptureSettings settings{.base = {64, 64}, .side = 4};
+    const Subject quad(device(), single(small_scenes::quad()), small_scenes::facing());
+    EXPECT_EQ(chooseBackend(device(), quad.onGpu, settings, quad.camera), kSs);
+    const Subject spheres(device(), "spheres", 0);  // 99,744 triangles
+    EXPECT_EQ(chooseBackend(device(), spheres.onGpu, settings, spheres.camera), kCompute);
+    scene::Camera away = spheres.camera;
+    away.at = 2.0f * away.eye - away.at;  // none of them in view
+    EXPECT_EQ(chooseBackend(device(), spheres.onGpu, settings, away), kSs);
+}
+
 TEST_F(CaptureTest, refusesSizesItCannotHold) {
     const Subject quad(device(), single(small_scenes::quad()), small_scenes::facing());
     EXPECT_THROW(CaptureFrame(device(), quad.onGpu, {.base = {4096, 16}, .side = 8}),

@@ -22,11 +22,23 @@ const Json& thesis() {
 }
 
 bool isQuick(const BenchOptions& options) {
-    return options.view.size.width < 640;
+    return options.view.size.width <= 240;
 }
 
 std::vector<NamedSize> sizesUpTo(const BenchOptions& options, const std::string& most) {
     if (isQuick(options)) return {{"qHD/4", 240, 136}};
+    const PictureSize asked = options.view.size, usual;
+    if (asked.width != usual.width || asked.height != usual.height) {
+        const auto width = static_cast<std::uint32_t>(asked.width);
+        const auto height = static_cast<std::uint32_t>(asked.height);
+        const char* name = width == 960     ? "qHD"
+                           : width == 1920  ? "FHD"
+                           : width == 3840  ? "UHD"
+                           : width == 7680  ? "8K"
+                           : width == 15360 ? "16K"
+                                            : "other";
+        return {{name, width, height}};
+    }
     std::vector<NamedSize> sizes;
     for (const NamedSize& size :
          {NamedSize{"qHD", 960, 540}, NamedSize{"FHD", 1920, 1080}, NamedSize{"UHD", 3840, 2160},

@@ -15,7 +15,7 @@ struct NamedSize {
     vk::Extent2D extent() const { return {width, height}; }
 };
 
-/// Up to and including `most`; quick runs have qHD alone, a quarter as large each way.
+/// Up to and including `most`; or the size asked for alone; quick runs have a quarter of qHD.
 std::vector<NamedSize> sizesUpTo(const BenchOptions&, const std::string& most);
 bool isQuick(const BenchOptions&);
 

@@ -17,7 +17,10 @@ Result<void> measure(const VisibilitySubject& subject, const NamedSize& size, co
                      BenchResult& result) {
     const gpu::Device& device = *subject.session.device;
     const vk::Extent2D base{size.width / kSide, size.height / kSide};
-    frame::CaptureFrame capture(device, *subject.session.gpuScene, {.base = base, .side = kSide});
+    frame::CaptureSettings settings{.base = base, .side = kSide};
+    settings.backend =
+        frame::chooseBackend(device, *subject.session.gpuScene, settings, subject.camera);
+    frame::CaptureFrame capture(device, *subject.session.gpuScene, settings);
     capture.capture(subject.camera);
     visibility::Stream stream{.record = visibility::readRecord(device, capture.compact()),
                               .camera = subject.camera,
@@ -53,8 +56,9 @@ Result<BenchResult> run(const BenchOptions& options) {
     for (const BenchCase& one : *cases) {
         auto subject = openSubject(one, options);
         if (!subject) return tl::unexpected(subject.error());
-        for (const NamedSize& size : sizesUpTo(options, "16K")) {
-            if (size.width < 3840 && !isQuick(options)) continue;  // the thesis starts at UHD
+        const auto sizes = sizesUpTo(options, "16K");
+        for (const NamedSize& size : sizes) {
+            if (size.width < 3840 && sizes.size() > 1) continue;  // the thesis starts at UHD
             if (auto done = measure(*subject, size, options, result); !done)
                 return tl::unexpected(done.error());
         }

@@ -79,7 +79,8 @@ Result<void> measure(const VisibilitySubject& subject, const NamedSize& size,
         bar.update(static_cast<std::size_t>(round + kWarmUp + 1));
     }
     bar.erase();
-    const std::string automatic = nameOf(frame::chooseBackend(device, scene, kSide));
+    const std::string automatic =
+        nameOf(frame::chooseBackend(device, scene, {.base = base, .side = kSide}, subject.camera));
     for (std::size_t i = 0; i < ours.size(); ++i) {
         Json row = visibilityRow("time", subject, size, ours[i].first, kSide);
         times[i].write(row);
@@ -126,8 +127,9 @@ Result<BenchResult> run(const BenchOptions& options) {
     for (const BenchCase& one : *cases) {
         auto subject = openSubject(one, options);
         if (!subject) return tl::unexpected(subject.error());
-        for (const NamedSize& size : sizesUpTo(options, "8K")) {
-            if (size.width < 1920 && !isQuick(options)) continue;  // the thesis starts at FHD
+        const auto sizes = sizesUpTo(options, "8K");
+        for (const NamedSize& size : sizes) {
+            if (size.width < 1920 && sizes.size() > 1) continue;  // the thesis starts at FHD
             if (auto done = measure(*subject, size, options, result); !done)
                 return tl::unexpected(done.error());
         }

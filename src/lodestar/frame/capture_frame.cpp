@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include <glm/gtc/matrix_transform.hpp>
+#include <lodestar/gpu/readback.hpp>
 
 namespace lodestar::frame {
 namespace {
@@ -23,7 +23,8 @@ const CaptureSettings& checked(const CaptureSettings& s) {
 
 CaptureBackend usedBackend(const gpu::Device& device, const scene::GpuScene& scene,
                            const CaptureSettings& s) {
-    if (s.backend == CaptureBackend::automatic) return chooseBackend(device, scene, s.side);
+    if (s.backend == CaptureBackend::automatic)
+        return chooseBackend(device, s, scene.triangleCount());
     // Rates that multisampling has no plan for are captured by supersampling.
     if (s.backend == CaptureBackend::multisample &&
         visibility::planMultisample(device.multisamples(), s.side).shifts.empty())
@@ -73,8 +74,34 @@ gpu::Image image(const gpu::Device& device, vk::Extent2D extent, vk::Format form
 
 }  // namespace
 
-CaptureBackend chooseBackend(const gpu::Device& device, const scene::GpuScene&, std::uint32_t) {
-    return device.hasInt64Atomics() ? CaptureBackend::compute : CaptureBackend::supersample;
+CaptureBackend chooseBackend(const gpu::Device& device, const CaptureSettings& s,
+                             std::uint64_t listed) {
+    constexpr std::uint64_t kSamplesOfSmall = 12;
+    const std::uint64_t samples = std::uint64_t{s.base.width} * s.base.height * s.side * s.side;
+    const bool small = listed * kSamplesOfSmall >= samples;
+    return small && device.hasInt64Atomics() ? CaptureBackend::compute
+                                             : CaptureBackend::supersample;
+}
+
+CaptureBackend chooseBackend(const gpu::Device& device, const scene::GpuScene& scene,
+                             const CaptureSettings& settings, const scene::Camera& camera) {
+    const CaptureSettings& s = checked(settings);
+    const geometry::Cull cull(device);
+    geometry::DrawList list(device, scene, "choosing");
+    const float aspect = static_cast<float>(s.base.width) / static_cast<float>(s.base.height);
+    gpu::Recorder rec(device);
+    rec.begin();
+    cull.record(rec, scene,
+                {camera.clipFromView(aspect) * camera.viewFromWorld(),
+                 camera.eye,
+                 {s.base.width * s.side, s.base.height * s.side}},
+                list);
+    rec.submit();
+    const auto draws = gpu::as<vk::DrawIndirectCommand>(
+        gpu::readBuffer(device, list.draws, scene::kDrawBins * sizeof(vk::DrawIndirectCommand)));
+    std::uint64_t corners = 0;
+    for (const auto& draw : draws) corners += draw.vertexCount;
+    return chooseBackend(device, s, corners / 3);
 }
 
 CaptureFrame::CaptureFrame(const gpu::Device& owner, const scene::GpuScene& gpuScene,

@@ -25,20 +25,27 @@ struct CaptureSettings {
     CaptureBackend backend = CaptureBackend::automatic;
     /// What exists only during a capture (a band of grid C and its depths) stays below this.
     std::uint64_t transientBytes = 280ull << 20;
-    std::uint32_t words = 0;       ///< first size of the pool of lists; 0 = chosen
+    std::uint32_t words = 0;     ///< first size of the pool of lists; 0 = chosen
     std::uint32_t bandRows = 0;  ///< rows of grid B a band; 0 = as many as fit
 };
 
-/// The rule of CaptureBackend::automatic (docs/visibility.md has the measurements behind it).
-CaptureBackend chooseBackend(const gpu::Device&, const scene::GpuScene&, std::uint32_t side);
+/// The rule of CaptureBackend::automatic: compute where a triangle of the view covers few samples,
+/// supersampling elsewhere (docs/visibility.md has the measurements behind it). Culls for the view
+/// and waits.
+CaptureBackend chooseBackend(const gpu::Device&, const scene::GpuScene&, const CaptureSettings&,
+                             const scene::Camera&);
+/// The same when `listed` triangles are known to be drawn.
+CaptureBackend chooseBackend(const gpu::Device&, const CaptureSettings&, std::uint64_t listed);
 
 /// Captures a frame's visibility into a compact record: culls, captures and compacts band by band,
 /// so that grid C is never in memory whole. Deterministic; with the compute backend to the byte
 /// between runs, bands and thread counts.
 class CaptureFrame {
 public:
-    /// Throws std::invalid_argument for settings out of range (grid C has at most 16384 samples a
-    /// side), gpu::DeviceError for a backend that the device cannot run.
+    /// CaptureBackend::automatic is decided here, for the scene's triangles as if all were in view;
+    /// chooseBackend knows better. Throws std::invalid_argument for settings out of range (grid C
+    /// has at most 16384 samples a side), gpu::DeviceError for a backend that the device cannot
+    /// run.
     CaptureFrame(const gpu::Device&, const scene::GpuScene&, const CaptureSettings&);
 
     /// Adds the capture of a frame; the record is then visible to compute. After submit() look at

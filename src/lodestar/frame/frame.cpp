@@ -149,15 +149,16 @@ glm::mat4 Frame::clipFromWorld(const scene::Camera& camera) const {
     return camera.clipFromView(aspect) * camera.viewFromWorld();
 }
 
-Frame::Smooth Frame::makeSmooth(std::uint32_t side, std::uint32_t capacity) const {
-    visibility::FragmentSet set(*device, options.size, capacity);
+Frame::Smooth Frame::makeSmooth(const visibility::CompactRecord& from,
+                                std::uint32_t capacity) const {
+    visibility::FragmentSet set(*device, from, capacity);
     const vk::Extent2D more = set.moreIds.extent();
     const auto radiance = [&](vk::Extent2D extent, const char* name) {
         return target(*device, extent, vk::Format::eR16G16B16A16Sfloat, name, Usage::eStorage);
     };
-    return {.side = side,
-            .fragments = {*device, side},
-            .resolve = {*device, side},
+    return {.side = from.side,
+            .fragments = {*device, from.side},
+            .resolve = {*device, from.side},
             .set = std::move(set),
             .surfaces = {*device, more},
             .terms = radiance(more, "fragments: terms"),
@@ -170,14 +171,16 @@ gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
     if (from.base != options.size)
         throw std::invalid_argument("Frame::rebuildAntialiased: the record has another size");
     const std::uint32_t pixels = from.base.width * from.base.height;
-    if (!smooth || smooth->side != from.side) smooth.emplace(makeSmooth(from.side, pixels / 4 + 1));
+    if (!smooth || smooth->side != from.side ||
+        smooth->set.merges.bytes() < from.lists.buffer().bytes())
+        smooth.emplace(makeSmooth(from, pixels / 4 + 1));
     rec.begin();
     smooth->fragments.recordCount(rec, *scene, from, clipFromWorld(camera), camera.eye,
                                   smooth->set);
     const gpu::FrameTimes counted = rec.submit();
     if (const std::uint32_t needed = smooth->set.needed(); needed > smooth->set.capacity) {
         // Rare enough to count again, in a set that has room.
-        smooth.emplace(makeSmooth(from.side, needed + needed / 4));
+        smooth.emplace(makeSmooth(from, needed + needed / 4));
         return rebuildAntialiased(from, camera);
     }
 

@@ -80,7 +80,7 @@ private:
         visibility::Surface surfaces;  // of the further fragments
         gpu::Image terms, radiance, mainRadiance;
     };
-    Smooth makeSmooth(std::uint32_t side, std::uint32_t capacity) const;
+    Smooth makeSmooth(const visibility::CompactRecord&, std::uint32_t capacity) const;
     void writeUniforms(const scene::Camera&);
 
     const gpu::Device* device;

@@ -17,6 +17,8 @@ layout(constant_id = 1) const uint kMode = 0;
 layout(binding = 8, r32ui) writeonly uniform uimage2D outIds;
 layout(push_constant, scalar) uniform Push { ExpandParams params; };
 
+const float kReach = 1.5;  // samples: slivers are often seen a little further on
+
 /// The depth of a triangle at a point, 0 where the point is outside it.
 float depthAt(uint id, vec2 ndc) {
     const GpuCluster cluster = loadCluster(id >> LS_TRIANGLE_BITS);
@@ -73,9 +75,9 @@ void main() {
         if ((node.id & LS_LAST_NODE) != 0) break;
     }
     if (kMode == 1) {
-        // The pixels that own the four samples around the point: what covers it is listed there.
-        const ivec2 from = clamp(ivec2(floor(samples - 0.5)), ivec2(0), gridC - 1) / int(kSide);
-        const ivec2 to = clamp(ivec2(floor(samples + 0.5)), ivec2(0), gridC - 1) / int(kSide);
+        // The pixels that own the samples around the point: what covers it is listed there.
+        const ivec2 from = clamp(ivec2(floor(samples - kReach)), ivec2(0), gridC - 1) / int(kSide);
+        const ivec2 to = clamp(ivec2(floor(samples + kReach)), ivec2(0), gridC - 1) / int(kSide);
         bool mixed = false;
         for (int y = from.y; y <= to.y; ++y)
             for (int x = from.x; x <= to.x; ++x) {

@@ -11,7 +11,7 @@ namespace lodestar::visibility {
 /// Rebuilds which triangle each pixel of a grid O of any size shows, from a compact record. Where
 /// the centre of a pixel is a sample of grid C its id is the sample's; elsewhere, and so above the
 /// capture rate, the nearest triangle that covers the centre, of those listed by the pixels of grid
-/// B that own the four samples around it. Attributes follow from the ids by Rebuild.
+/// B that own the samples around it. Attributes follow from the ids by Rebuild.
 class Expand {
 public:
     /// For records of `side` × `side` samples a pixel.

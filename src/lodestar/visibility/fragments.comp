@@ -19,6 +19,7 @@ layout(binding = 10, rg32f) writeonly uniform image2D outPoints;    // NDC
 layout(binding = 11, r32ui) writeonly uniform uimage2D outMoreIds;  // of the others
 layout(binding = 12, rg32f) writeonly uniform image2D outMorePoints;
 layout(binding = 13, scalar) writeonly buffer Weights { uint weights[]; };  // their samples
+layout(binding = 14, scalar) buffer Merges { int merges[]; };  // by word of the lists: node → surface
 layout(push_constant, scalar) uniform Push { FragmentsParams params; };
 
 const uint kSamples = kSide * kSide;
@@ -103,17 +104,24 @@ void main() {
     ids[0] = head.id;
     uvec2 others = uvec2(0);
     for (uint i = head.list; mixed; i += kNodeWords) {
-        if (i == head.list) kept[0] = patchOf(head.id, centre);
+        if (kWrite == 0 && i == head.list) kept[0] = patchOf(head.id, centre);
         const Node node = loadNode(i);
         const uint id = node.id & ~LS_LAST_NODE;
         const uvec2 mask = node.mask;
-        const Patch own = patchOf(id, centre);
+        // What continues what is found once, by the first run.
+        Patch own;
         int same = -1;
-        for (int k = used - 1; k >= 0; --k)
-            if (continues(kept[k], own)) same = k;
+        if (kWrite == 0) {
+            own = patchOf(id, centre);
+            for (int k = used - 1; k >= 0; --k)
+                if (continues(kept[k], own)) same = k;
+            merges[i] = same;
+        } else {
+            same = merges[i];
+        }
         if (same < 0) {
             if (used < kKept) {
-                kept[used] = own;
+                if (kWrite == 0) kept[used] = own;
                 masks[used] = mask;
                 ids[used] = id;
                 ++used;

@@ -40,15 +40,16 @@ gpu::Kernel makeKernel(const gpu::Device& device, std::uint32_t side, bool write
             kCode,
             scene::withSceneSlots({Slot::texelBuffer, Slot::texelBuffer, Slot::storageBuffer,
                                    Slot::storageImage, Slot::storageImage, Slot::storageImage,
-                                   Slot::storageImage, Slot::storageBuffer}),
+                                   Slot::storageImage, Slot::storageBuffer, Slot::storageBuffer}),
             sizeof(shared::FragmentsParams),
             {side, write}};
 }
 
 }  // namespace
 
-FragmentSet::FragmentSet(const gpu::Device& device, vk::Extent2D base, std::uint32_t room)
+FragmentSet::FragmentSet(const gpu::Device& device, const CompactRecord& record, std::uint32_t room)
     : capacity(room),
+      base(record.base),
       ids(image(device, base, vk::Format::eR32Uint, "fragments: ids")),
       points(image(device, base, vk::Format::eR32G32Sfloat, "fragments: points")),
       moreIds(image(device, moreRows(room), vk::Format::eR32Uint, "fragments: more ids")),
@@ -57,6 +58,7 @@ FragmentSet::FragmentSet(const gpu::Device& device, vk::Extent2D base, std::uint
       offsets(device, "fragments: offsets",
               4ull * gpu::PrefixSum::bufferLength(base.width * base.height + 1)),
       weights(device, "fragments: weights", 4ull * room),
+      merges(device, "fragments: merges", record.lists.buffer().bytes()),
       total(device, "fragments: total", 4, gpu::Residence::mapped) {}
 
 vk::Extent2D FragmentSet::moreExtent() const {
@@ -75,11 +77,13 @@ void Fragments::dispatch(gpu::Recorder& rec, const gpu::Kernel& kernel,
     if (from.side != side) throw std::invalid_argument("Fragments: record of another rate");
     if (set.ids.extent() != from.base)
         throw std::invalid_argument("Fragments: set of another grid");
+    if (set.merges.bytes() < from.lists.buffer().bytes())
+        throw std::invalid_argument("Fragments: set for a record with shorter lists");
     const std::uint32_t groupCount = gpu::groups(from.base.width * from.base.height + 1, kGroup);
     const std::uint32_t lines = gpu::groups(groupCount, 32768);
     rec.dispatch(kernel, {gpu::groups(groupCount, lines), lines, 1},
                  scene::withScene(scene, {from.heads, from.lists, set.offsets, set.ids, set.points,
-                                          set.moreIds, set.morePoints, set.weights}),
+                                          set.moreIds, set.morePoints, set.weights, set.merges}),
                  shared::FragmentsParams{.clipFromWorld = clipFromWorld,
                                          .eye = eye,
                                          .base = {from.base.width, from.base.height},

@@ -11,13 +11,16 @@ namespace lodestar::visibility {
 /// continue a surface of the pixel (same material and instance, normals within 11°, no step in
 /// depth) share its shading. The pixel's own representative is its main fragment.
 struct FragmentSet {
-    FragmentSet(const gpu::Device&, vk::Extent2D base, std::uint32_t capacity);
+    /// For `record` and others of its size and rate with no longer lists.
+    FragmentSet(const gpu::Device&, const CompactRecord& record, std::uint32_t capacity);
 
     std::uint32_t capacity;          ///< further fragments that there is room for, ≥ 1
+    vk::Extent2D base;               ///< grid B
     gpu::Image ids, points;          ///< grid B, R32_UINT and RG32_SFLOAT: triangle and NDC
     gpu::Image moreIds, morePoints;  ///< the further ones, row after row
     gpu::Buffer offsets;             ///< further fragments before each pixel; the total at the end
     gpu::Buffer weights;             ///< samples of each further fragment
+    gpu::Buffer merges;              ///< which surface a node continues, while it is filled
     gpu::Buffer total;               ///< mapped: further fragments of the frame
 
     std::uint32_t needed() const { return *total.mapped<std::uint32_t>(); }
