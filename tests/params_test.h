@@ -9,7 +9,13 @@
 #include "lodestar/shading/coarse_params.h"
 #include "lodestar/shading/light_params.h"
 #include "lodestar/upsample/upsample_params.h"
+#include "lodestar/visibility/capture_compute_params.h"
+#include "lodestar/visibility/capture_ms_params.h"
 #include "lodestar/visibility/capture_ss_params.h"
+#include "lodestar/visibility/compact_params.h"
+#include "lodestar/visibility/expand_params.h"
+#include "lodestar/visibility/fragments_params.h"
+#include "lodestar/visibility/rebuild_params.h"
 #include "lodestar/visibility/view_params.h"
 LS_NAMESPACE_BEGIN
 
@@ -37,6 +43,15 @@ struct AllParams {
     RepairHeader repair;
     RepairSelectParams repairSelect;
     TonemapParams tonemap;
+    CompactVisibilityParams compactVisibility;
+    CaptureComputeParams captureCompute;
+    CaptureQueueCounts captureQueue;
+    CaptureLarge captureLarge;
+    CaptureMsDrawParams captureMsDraw;
+    CaptureMsParams captureMs;
+    ExpandParams expand;
+    FragmentsParams fragments;
+    RebuildParams rebuild;
 };
 
 LS_NAMESPACE_END
@@ -108,7 +123,26 @@ LS_NAMESPACE_END
     VISIT(p.repair.cut) LS_VISIT_BINS_16(VISIT, p.repair.bins, 0) \
     LS_VISIT_BINS_16(VISIT, p.repair.bins, 16) LS_VISIT_BINS_16(VISIT, p.repair.bins, 32) \
     LS_VISIT_BINS_16(VISIT, p.repair.bins, 48) VISIT(p.repairSelect.most) \
-    VISIT(p.tonemap.exposure)
+    VISIT(p.tonemap.exposure) \
+    VISIT(p.compactVisibility.width) VISIT(p.compactVisibility.firstRow) \
+    VISIT(p.compactVisibility.rows) VISIT(p.compactVisibility.band) \
+    VISIT(p.compactVisibility.capacity) \
+    VISIT(p.captureCompute.clipFromWorld) VISIT(p.captureCompute.size) \
+    VISIT(p.captureCompute.firstRow) VISIT(p.captureCompute.rows) \
+    LS_VISIT_5(VISIT, p.captureCompute.binStarts) \
+    LS_VISIT_3(VISIT, p.captureQueue.groups) VISIT(p.captureQueue.first) \
+    VISIT(p.captureQueue.count) VISIT(p.captureQueue.clipped) VISIT(p.captureQueue.large) \
+    VISIT(p.captureQueue.jobs) \
+    VISIT(p.captureLarge.v0) VISIT(p.captureLarge.v1) VISIT(p.captureLarge.v2) \
+    VISIT(p.captureLarge.depth) VISIT(p.captureLarge.id) \
+    VISIT(p.captureMsDraw.clipFromWorld) VISIT(p.captureMsDraw.size) \
+    VISIT(p.captureMsDraw.firstRow) \
+    VISIT(p.captureMs.shift) VISIT(p.captureMs.size) \
+    VISIT(p.expand.clipFromWorld) VISIT(p.expand.base) VISIT(p.expand.size) \
+    VISIT(p.expand.maskedFrom) \
+    VISIT(p.fragments.clipFromWorld) VISIT(p.fragments.eye) VISIT(p.fragments.base) \
+    VISIT(p.fragments.capacity) \
+    VISIT(p.rebuild.pixelNdc)
 // clang-format on
 
 #endif

@@ -14,13 +14,19 @@ add_library(lodestar STATIC
     gpu/recorder.cpp
     scene/gpu_scene.cpp
     geometry/cull.cpp
+    visibility/capture_compute.cpp
+    visibility/capture_ms.cpp
     visibility/capture_ss.cpp
+    visibility/compact.cpp
+    visibility/expand.cpp
+    visibility/fragments.cpp
     visibility/rebuild.cpp
     shading/coarse.cpp
     shading/combine.cpp
     upsample/repair.cpp
     upsample/upsample.cpp
     post/tonemap.cpp
+    frame/capture_frame.cpp
     frame/frame.cpp
     frame/light_maps.cpp
 )
@@ -36,9 +42,20 @@ lodestar_shaders(lodestar
     geometry/cull_clusters.comp
     geometry/cull_triangles.comp
     geometry/emit.comp
+    visibility/capture_args.comp
+    visibility/capture_clip.comp
+    visibility/capture_small.comp
+    visibility/capture_split.comp
+    visibility/capture_tile.comp
+    visibility/capture_ms.comp
+    visibility/capture_ms.frag
     visibility/capture_ss.vert
     visibility/capture_ss.frag
+    visibility/compact.comp
+    visibility/expand.comp
+    visibility/fragments.comp
     visibility/rebuild.comp
+    visibility/resolve.comp
     shading/coarse.comp
     shading/combine.comp
     shading/repair_terms.comp

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include <lodestar/budget/levers.hpp>
 #include <lodestar/frame/light_maps.hpp>
@@ -13,6 +14,8 @@
 #include <lodestar/shading/sky.hpp>
 #include <lodestar/upsample/upsample.hpp>
 #include <lodestar/visibility/capture_ss.hpp>
+#include <lodestar/visibility/expand.hpp>
+#include <lodestar/visibility/fragments.hpp>
 #include <lodestar/visibility/rebuild.hpp>
 
 namespace lodestar::frame {
@@ -31,6 +34,7 @@ struct FrameSettings {
     float noiseScale = 0;      ///< cells of its first octave [scene units]; 0 = 1/8 of the scene
     float leastWeight = 0.1f;  ///< pixels reconstructed from less may be repaired
     float exposure = 1;        ///< 0: metered on the first frame, and kept
+    float aspect = 0;          ///< width / height that the picture shows; 0 = that of `size`
     upsample::Reconstruct reconstruct = upsample::Reconstruct::bilateral;
     upsample::Sigmas sigmas;
 };
@@ -43,6 +47,16 @@ public:
 
     /// Renders one picture and waits for it.
     gpu::FrameTimes render(const scene::Camera&, const budget::Levers&);
+
+    /// The same picture from visibility that was captured before, at any size: `record` is a
+    /// capture of the same camera and aspect.
+    gpu::FrameTimes rebuild(const visibility::CompactRecord&, const scene::Camera&,
+                            const budget::Levers&);
+    /// Anti-aliased, at the size of the record's grid B and at full shading rate: every surface a
+    /// pixel lists is shaded once and weighs as many samples as show it.
+    gpu::FrameTimes rebuildAntialiased(const visibility::CompactRecord&, const scene::Camera&);
+    /// Of the last rebuildAntialiased: fragments shaded beyond one a pixel.
+    std::uint32_t furtherFragments() const { return smooth ? smooth->set.needed() : 0; }
 
     /// The last picture: RGBA8, sRGB-encoded.
     const gpu::Image& display() const { return displayImage; }
@@ -58,8 +72,27 @@ public:
     const FrameSettings& settings() const { return options; }
 
 private:
-    void meter(const scene::Camera&);
+    void shade(const budget::Levers&);
     void evaluateTerms(const budget::Levers&);
+    /// Sets the exposure by the last frame's radiance.
+    void meter();
+    glm::mat4 clipFromWorld(const scene::Camera&) const;
+
+    /// What rebuilding from records of one rate needs.
+    struct Rebuilding {
+        std::uint32_t side;
+        visibility::Expand expand;
+    };
+    /// What anti-aliasing needs beside it.
+    struct Smooth {
+        std::uint32_t side;
+        visibility::Fragments fragments;
+        visibility::Resolve resolve;
+        visibility::FragmentSet set;
+        visibility::Surface surfaces;  // of the further fragments
+        gpu::Image terms, radiance, mainRadiance;
+    };
+    Smooth makeSmooth(const visibility::CompactRecord&, std::uint32_t capacity) const;
     void writeUniforms(const scene::Camera&);
 
     const gpu::Device* device;
@@ -73,7 +106,7 @@ private:
 
     geometry::Cull cull;
     visibility::CaptureSs capture;
-    visibility::Rebuild rebuild;
+    visibility::Rebuild rebuildPass;
     shading::Coarse coarse;
     upsample::Upsample upsample;
     upsample::RepairSelect repairSelect;
@@ -87,6 +120,9 @@ private:
     gpu::Buffer viewBuffer, lightBuffer;
     gpu::Image idImage, depthBuffer, skyImage, coarseImage, termImage, radianceImage, displayImage;
     visibility::Surface surfaces;
+
+    std::optional<Rebuilding> rebuilding;
+    std::optional<Smooth> smooth;
     gpu::Recorder rec;
 };
 
