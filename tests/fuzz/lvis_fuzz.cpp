@@ -6,6 +6,7 @@
 //   build/fuzz/tests/lvis_fuzz -max_len=4096 CORPUS tests/fuzz/lvis_corpus
 // The first byte says whether the rest is a whole file or the contents of a frame, which the fuzzer
 // could never compress itself.
+#include <algorithm>
 #include <cstdlib>
 #include <cstring>
 
@@ -34,7 +35,7 @@ std::vector<std::byte> wrapped(const std::uint8_t* data, std::size_t size) {
     h.frameBytes = ZSTD_compress(frame.data(), frame.size(), data + skip, size - skip, 1);
     std::vector<std::byte> file(sizeof h + h.frameBytes);
     std::memcpy(file.data(), &h, sizeof h);
-    std::memcpy(file.data() + sizeof h, frame.data(), h.frameBytes);
+    std::copy_n(frame.begin(), h.frameBytes, file.begin() + sizeof h);
     return file;
 }
 
@@ -46,8 +47,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     if (data[0] & 1) {
         file = wrapped(data + 1, size - 1);
     } else {
-        file.resize(size - 1);
-        std::memcpy(file.data(), data + 1, size - 1);
+        const auto* bytes = reinterpret_cast<const std::byte*>(data);
+        file.assign(bytes + 1, bytes + size);
     }
     const auto stream =
         visibility::decodeStream(file, "fuzz", {.checksum = false, .maxBytes = 64 << 20});
