@@ -86,6 +86,32 @@ TEST_F(FrameTest, columnsAtFullRateAreReproducibleAndCoarseOnesClose) {
     EXPECT_EQ(device().allocatedBytes(), bytes) << "a frame allocated memory";
 }
 
+TEST_F(FrameTest, shadingAsAWholeOnGridSIsCoarserThanItsExpensiveTermsAlone) {
+    Stage stage(device(), *scene::buildBuiltin("columns"), small(128, 72));
+    FrameSettings plain = small(128, 72);
+    plain.reconstruct = upsample::Reconstruct::bilinear;
+    Frame conventional(device(), stage.onGpu, plain);
+    const Camera camera = cameraOf(stage.source, 0);
+    const auto full = stage.render(camera);
+    const auto psnrOf = [&](Frame& frame, const budget::Levers& levers) {
+        frame.render(camera, levers);
+        quality::RgbImage picture(128, 72);
+        const auto rgba = gpu::readImage(device(), frame.display());
+        for (std::size_t i = 0; i < picture.rgb.size(); ++i)
+            picture.rgb[i] = std::uint8_t(rgba[i / 3 * 4 + i % 3]);
+        return quality::psnr(full, picture);
+    };
+    for (const float rate : {1.5f, 3.0f}) {
+        const double guided = psnrOf(stage.frame, {.shadingRate = rate, .resizeAll = true});
+        const double bilinear = psnrOf(conventional, {.shadingRate = rate, .resizeAll = true});
+        const double fine = psnrOf(stage.frame, {.shadingRate = rate});
+        EXPECT_GT(guided, bilinear) << rate;
+        EXPECT_GT(fine, guided + 3) << rate;
+        EXPECT_GT(bilinear, 15) << rate;
+    }
+    EXPECT_EQ(stage.render(camera).rgb, full.rgb);
+}
+
 TEST_F(FrameTest, spheresLookAsTheyDid) {
     Stage stage(device(), *scene::buildBuiltin("spheres"), small(128, 72));
     const Camera camera = cameraOf(stage.source, 0);

@@ -16,6 +16,7 @@
 #include "lodestar/visibility/expand_params.h"
 #include "lodestar/visibility/fragments_params.h"
 #include "lodestar/visibility/rebuild_params.h"
+#include "lodestar/visibility/sample_grid_params.h"
 #include "lodestar/visibility/view_params.h"
 LS_NAMESPACE_BEGIN
 
@@ -52,6 +53,7 @@ struct AllParams {
     ExpandParams expand;
     FragmentsParams fragments;
     RebuildParams rebuild;
+    SampleGridParams sampleGrid;
 };
 
 LS_NAMESPACE_END
@@ -142,7 +144,8 @@ LS_NAMESPACE_END
     VISIT(p.expand.maskedFrom) \
     VISIT(p.fragments.clipFromWorld) VISIT(p.fragments.eye) VISIT(p.fragments.base) \
     VISIT(p.fragments.capacity) \
-    VISIT(p.rebuild.pixelNdc)
+    VISIT(p.rebuild.pixelNdc) \
+    VISIT(p.sampleGrid.size) VISIT(p.sampleGrid.fullSize) VISIT(p.sampleGrid.rate)
 // clang-format on
 
 #endif

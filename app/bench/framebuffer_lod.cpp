@@ -49,8 +49,11 @@ struct Way {
     const char* name;
     Reconstruct reconstruct;
     float repair;
+    bool resizeAll = false;
 };
 constexpr std::array kWays{
+    Way{"conventional", Reconstruct::bilinear, 0, true},
+    Way{"full resizing", Reconstruct::bilateral, 0, true},
     Way{"fine-grained bilinear", Reconstruct::bilinear, 0},
     Way{"fine-grained nearest-depth", Reconstruct::nearestDepth, 0},
     Way{"fine-grained", Reconstruct::bilateral, 0},
@@ -109,8 +112,8 @@ struct Measured {
     void add(const gpu::FrameTimes& times) {
         frameMs.push_back(times.gpuMs);
         termsMs.push_back(passMs(times, "terms"));
-        methodMs.push_back(passMs(times, "upsample") + passMs(times, "select repair") +
-                           passMs(times, "repair"));
+        methodMs.push_back(passMs(times, "upsample") + passMs(times, "pack") +
+                           passMs(times, "select repair") + passMs(times, "repair"));
     }
 };
 
@@ -192,7 +195,9 @@ Result<void> measureScene(const PaperScene& paper, const BenchCase& what,
     for (int round = -kWarmUp; round < options.rounds; ++round)
         for (Measured& m : all) {
             frame::Frame& frame = frames.of(m.way ? m.way->reconstruct : Reconstruct::bilateral);
-            const Levers levers{.shadingRate = m.rate, .repair = m.way ? m.way->repair : 0};
+            const Levers levers{.shadingRate = m.rate,
+                                .repair = m.way ? m.way->repair : 0,
+                                .resizeAll = m.way && m.way->resizeAll};
             const gpu::FrameTimes times = frame.render(camera, levers);
             if (round >= 0) m.add(times);
             if (round == -1) m.picture = readDisplay(device, frame);

@@ -21,8 +21,10 @@ add_library(lodestar STATIC
     visibility/expand.cpp
     visibility/fragments.cpp
     visibility/rebuild.cpp
+    visibility/sample_grid.cpp
     shading/coarse.cpp
     shading/combine.cpp
+    upsample/pack_coarse.cpp
     upsample/repair.cpp
     upsample/upsample.cpp
     post/tonemap.cpp
@@ -55,10 +57,12 @@ lodestar_shaders(lodestar
     visibility/expand.comp
     visibility/fragments.comp
     visibility/rebuild.comp
+    visibility/sample_grid.comp
     visibility/resolve.comp
     shading/coarse.comp
     shading/combine.comp
     shading/repair_terms.comp
+    upsample/pack_coarse.comp
     upsample/repair_compact.comp
     upsample/repair_cut.comp
     upsample/upsample.comp

@@ -196,6 +196,12 @@ gpu::FrameTimes Frame::rebuild(const visibility::CompactRecord& from, const scen
 }
 
 void Frame::shade(const budget::Levers& levers) {
+    if (levers.resizeAll && levers.shadingRate > 1) {
+        shadeOnGridS(levers.shadingRate);
+        rec.barrier(Stage::compute, Stage::compute);
+        tonemap.record(rec, radianceImage, options.exposure, displayImage);
+        return;
+    }
     // What is exact on grid O, and the expensive terms on grids S.
     rebuildPass.record(rec, *scene, {idImage, viewBuffer}, surfaces);
     evaluateTerms(levers);
@@ -207,6 +213,54 @@ void Frame::shade(const budget::Levers& levers) {
                    radianceImage);
     rec.barrier(Stage::compute, Stage::compute);
     tonemap.record(rec, radianceImage, options.exposure, displayImage);
+}
+
+Frame::Whole Frame::makeWhole() const {
+    const auto image = [&](vk::Format format, const char* name) {
+        return target(*device, options.size, format, name, Usage::eStorage);
+    };
+    return {.sampleGrid = visibility::SampleGrid(*device),
+            .guides = {*device, scene::SceneFeatures{}},
+            .pack = upsample::PackCoarse(*device),
+            .ids = image(vk::Format::eR32Uint, "grid S: ids"),
+            .points = image(vk::Format::eR32G32Sfloat, "grid S: points"),
+            .terms = image(vk::Format::eR16G16B16A16Sfloat, "grid S: terms"),
+            .radiance = image(vk::Format::eR16G16B16A16Sfloat, "grid S: radiance"),
+            .surfaces = {*device, options.size}};
+}
+
+/// Everything on grid S, reconstructed as one colour: what the paper calls full resizing.
+void Frame::shadeOnGridS(float rate) {
+    if (!whole) whole.emplace(makeWhole());
+    listHolds = false;
+    const vk::Extent2D size = shading::coarseExtent(options.size, rate);
+    const auto part = [&](const gpu::Image& image) {
+        gpu::View view = image;
+        view.extent = size;
+        return view;
+    };
+    const gpu::View ids = part(whole->ids), points = part(whole->points);
+    whole->sampleGrid.record(rec, idImage, rate, {ids, points});
+    rec.barrier(Stage::compute, Stage::compute);
+    rebuildPass.record(rec, *scene, {ids, viewBuffer, points, size}, whole->surfaces);
+    coarse.recordFull(
+        rec, *scene,
+        {ids, lightMaps.sunMap(), lightMaps.skyMaps(), viewBuffer, lightBuffer, points},
+        shared::LS_ALL_TERMS, part(whole->terms));
+    rec.barrier(Stage::compute, Stage::compute);
+    const visibility::Surface& surface = whole->surfaces;
+    combine.record(rec,
+                   {viewBuffer, lightBuffer, surface.depth, surface.material, surface.emissive,
+                    whole->terms, skyImage, scene->lights, points},
+                   part(whole->radiance));
+    // Conventional resizing has no guides and needs no depth and normal of O.
+    const bool guided = upsample.guided();
+    if (guided) whole->guides.record(rec, *scene, {idImage, viewBuffer}, surfaces);
+    rec.barrier(Stage::compute, Stage::compute);
+    whole->pack.record(rec, {part(whole->radiance), surface.depth, surface.normal}, coarseImage);
+    rec.barrier(Stage::compute, Stage::compute);
+    upsample.record(rec, {coarseImage, surfaces.depth, surfaces.normal, size, rate}, options.sigmas,
+                    radianceImage);
 }
 
 glm::mat4 Frame::clipFromWorld(const scene::Camera& camera) const {

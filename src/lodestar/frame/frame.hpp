@@ -12,11 +12,13 @@
 #include <lodestar/shading/coarse.hpp>
 #include <lodestar/shading/combine.hpp>
 #include <lodestar/shading/sky.hpp>
+#include <lodestar/upsample/pack_coarse.hpp>
 #include <lodestar/upsample/upsample.hpp>
 #include <lodestar/visibility/capture_ss.hpp>
 #include <lodestar/visibility/expand.hpp>
 #include <lodestar/visibility/fragments.hpp>
 #include <lodestar/visibility/rebuild.hpp>
+#include <lodestar/visibility/sample_grid.hpp>
 
 namespace lodestar::frame {
 
@@ -74,6 +76,7 @@ public:
 private:
     void shade(const budget::Levers&);
     void evaluateTerms(const budget::Levers&);
+    void shadeOnGridS(float rate);
     /// Sets the exposure by the last frame's radiance.
     void meter();
     glm::mat4 clipFromWorld(const scene::Camera&) const;
@@ -92,6 +95,15 @@ private:
         visibility::Surface surfaces;  // of the further fragments
         gpu::Image terms, radiance, mainRadiance;
     };
+    /// What shading as a whole on grid S needs.
+    struct Whole {
+        visibility::SampleGrid sampleGrid;
+        visibility::Rebuild guides;  ///< depth and normal of O alone: no textures
+        upsample::PackCoarse pack;
+        gpu::Image ids, points, terms, radiance;
+        visibility::Surface surfaces;
+    };
+    Whole makeWhole() const;
     Smooth makeSmooth(const visibility::CompactRecord&, std::uint32_t capacity) const;
     void writeUniforms(const scene::Camera&);
 
@@ -123,6 +135,7 @@ private:
 
     std::optional<Rebuilding> rebuilding;
     std::optional<Smooth> smooth;
+    std::optional<Whole> whole;
     gpu::Recorder rec;
 };
 

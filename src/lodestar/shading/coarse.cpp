@@ -46,10 +46,9 @@ std::vector<gpu::Binding> bindings(const Coarse::Inputs& in, const vk::raii::Sam
 }
 
 std::vector<gpu::Binding> withPoints(const Coarse::Inputs& in, const vk::raii::Sampler& sampler,
-                                     const gpu::View& out) {
+                                     const gpu::View& out, const gpu::View& noPoints) {
     auto all = bindings(in, sampler, out);
-    // Without points that binding is not read: any image of floats does.
-    all.emplace_back(in.points ? *in.points : in.sunMap, sampler);
+    all.emplace_back(in.points ? *in.points : noPoints, sampler);
     return all;
 }
 
@@ -73,6 +72,10 @@ vk::Extent2D coarseExtent(vk::Extent2D full, float rate) {
 
 Coarse::Coarse(const gpu::Device& device)
     : pointSampler(device.vk(), vk::SamplerCreateInfo{}),
+      noPoints(device, {.name = "no points",
+                        .format = vk::Format::eR32G32Sfloat,
+                        .extent = {1, 1},
+                        .usage = vk::ImageUsageFlagBits::eSampled}),
       coarse(makeKernel(device, "coarse terms", false, false, false)),
       full(makeKernel(device, "terms", true, false, false)),
       fullMerge(makeKernel(device, "some terms", true, true, false)),
@@ -83,7 +86,7 @@ void Coarse::record(gpu::Recorder& rec, const scene::GpuScene& scene, const Inpu
                     float rate, gpu::View out) const {
     const auto pass = rec.pass("terms");
     rec.dispatch(coarse, gpu::groups8x8(coarseExtent(in.ids.extent, rate)),
-                 scene::withScene(scene, withPoints(in, pointSampler, out)),
+                 scene::withScene(scene, withPoints(in, pointSampler, out, noPoints)),
                  paramsOf(in.ids.extent, rate, terms));
 }
 
@@ -96,7 +99,7 @@ void Coarse::recordFull(gpu::Recorder& rec, const scene::GpuScene& scene, const 
                                 : terms == shared::LS_ALL_TERMS ? full
                                                                 : fullMerge;
     rec.dispatch(kernel, gpu::groups8x8(in.ids.extent),
-                 scene::withScene(scene, withPoints(in, pointSampler, out)),
+                 scene::withScene(scene, withPoints(in, pointSampler, out, noPoints)),
                  paramsOf(in.ids.extent, 1, terms));
 }
 

@@ -46,6 +46,7 @@ public:
 
 private:
     vk::raii::Sampler pointSampler;
+    gpu::Image noPoints;  ///< what is bound where there are none
     gpu::Kernel coarse, full, fullMerge, fullPoints, repair;
 };
 
