@@ -16,7 +16,7 @@ namespace lodestar::app {
 namespace {
 
 constexpr std::array kNames{"depth",     "normal", "albedo", "roughness", "metallic",
-                            "occlusion", "id",     "shadow", "ambient"};
+                            "occlusion", "id",     "shadow", "ao"};
 
 /// What a picture's pixels are made of, read back once.
 struct Planes {
@@ -66,10 +66,10 @@ std::vector<ExrChannel> makeAov(const Planes& p, const std::string& name) {
         return channels<vec1>(p, one, [&](auto i) { return vec1(material(i, 1).y); });
     if (name == "shadow")
         return channels<vec1>(p, one,
-                              [&](auto i) { return vec1(glm::unpackHalf4x16(p.terms[i]).w); });
-    if (name == "ambient")
-        return channels<vec3>(p, rgb,
-                              [&](auto i) { return vec3(glm::unpackHalf4x16(p.terms[i])); });
+                              [&](auto i) { return vec1(glm::unpackHalf4x16(p.terms[i]).x); });
+    if (name == "ao")
+        return channels<vec1>(p, one,
+                              [&](auto i) { return vec1(glm::unpackHalf4x16(p.terms[i]).y); });
     return channels<vec1>(p, one, [&](auto i) { return vec1(static_cast<float>(p.ids[i])); });
 }
 

@@ -11,7 +11,7 @@
 namespace lodestar::app {
 
 /// Reads "depth,normal" into names, each one of: depth [scene units], normal (view space), albedo,
-/// roughness, metallic, occlusion, id, shadow (share of the sun seen), ambient (irradiance).
+/// roughness, metallic, occlusion, id, shadow (share of the sun seen), ao (share of the sky seen).
 Result<std::vector<std::string>> parseAovs(const std::string& text);
 
 /// Writes each of `names` of the last picture as `STEM.NAME.exr` beside `out`. Returns the files.

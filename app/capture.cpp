@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/capture.hpp"
+#include "app/judge.hpp"
 
 #include <algorithm>
 #include <memory>

@@ -11,10 +11,9 @@
 
 #include <fmt/format.h>
 #include <lodestar/quality/metrics.hpp>
-#include <nlohmann/json.hpp>
 
 #include "image_io.hpp"
-#include "whole_file.hpp"
+#include "report_json.hpp"
 
 namespace lodestar::app {
 namespace {
@@ -69,20 +68,16 @@ void print(const CompareOptions& options, const Comparison& result) {
     if (!options.json.empty()) fmt::print("figures    {}\n", options.json.string());
 }
 
-std::string toJson(const CompareOptions& options, const Comparison& result) {
-    nlohmann::ordered_json json;
-    json["lodestar"] = LODESTAR_VERSION;
+Json toJson(const CompareOptions& options, const Comparison& result) {
+    const QualityFigures figures{result.psnrDb, result.ssim.value_or(NAN), result.flipMean};
+    Json json = toJson(Report{.quality = figures});
     json["reference"] = options.reference.string();
     json["test"] = options.test.string();
     json["width"] = result.width;
     json["height"] = result.height;
-    json["psnr_db"] = nullptr;
-    if (!std::isinf(result.psnrDb)) json["psnr_db"] = result.psnrDb;
-    json["ssim"] = nullptr;
-    if (result.ssim) json["ssim"] = *result.ssim;
+    for (const char* figure : {"psnr_db", "ssim"}) json[figure] = json["quality"][figure];
     json["flip_mean"] = result.flipMean;
-    // A path need not be UTF-8.
-    return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+    return json;
 }
 
 /// Nobody wants a picture to be replaced by its own error map.
@@ -106,7 +101,7 @@ Result<void> compare(const CompareOptions& options) {
             !written)
             return written;
     if (!options.json.empty())
-        if (Result<void> written = writeWholeFile(options.json, toJson(options, *result)); !written)
+        if (Result<void> written = writeJson(options.json, toJson(options, *result)); !written)
             return written;
     print(options, *result);
     return {};

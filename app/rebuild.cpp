@@ -13,6 +13,7 @@
 #include "app/console.hpp"
 #include "app/frame_options.hpp"
 #include "app/image_io.hpp"
+#include "app/judge.hpp"
 
 namespace lodestar::app {
 namespace {

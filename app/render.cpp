@@ -7,7 +7,6 @@
 
 #include <fmt/format.h>
 
-#include <lodestar/gpu/readback.hpp>
 #include <lodestar/quality/metrics.hpp>
 
 #include "app/aov.hpp"
@@ -15,7 +14,7 @@
 #include "app/console.hpp"
 #include "app/frame_options.hpp"
 #include "app/image_io.hpp"
-#include "app/session.hpp"
+#include "app/judge.hpp"
 
 namespace lodestar::app {
 namespace {
@@ -33,16 +32,9 @@ struct Options {
     double fps = 60;
     std::optional<budget::Budget> budget;
     std::string controller = "yang";
-    double shadingRate = 1;
+    budget::Levers levers;
     std::vector<std::string> aovs;
     bool reference = false;
-};
-
-/// Pictures of a run judged against full quality.
-struct Quality {
-    std::vector<QualityFigures> frames;
-    QualityFigures median;
-    double worstPsnrDb = 0;
 };
 
 /// `frame.png` with frame number 7 of a numbered run: `frame.0007.png`.
@@ -54,41 +46,13 @@ fs::path beside(const fs::path& out, const char* what) {
     return fs::path(out).replace_extension(std::string(what) + out.extension().string());
 }
 
-QualityFigures judge(const quality::RgbImage& reference, const quality::RgbImage& test) {
-    const bool forSsim = reference.width >= 11 && reference.height >= 11;
-    return {quality::psnr(reference, test), forSsim ? quality::ssim(reference, test) : NAN,
-            quality::flip(reference, test)};
-}
-
-/// Renders each sample's camera at full quality and compares. The last one's full-quality picture
-/// and FLIP map are written beside the picture.
-Result<Quality> judgeRun(const Session& session, frame::Frame& frame, const Run& run,
-                         const Options& options) {
-    Quality quality;
-    std::vector<double> psnr, ssim, flip;
-    Progress bar("comparing with full quality", run.samples.size());
-    for (const Sample& sample : run.samples) {
-        if (session.gpuScene->animated())
-            session.gpuScene->animate(
-                static_cast<float>(static_cast<double>(sample.index) / options.fps));
-        frame.render(sample.camera, {});
-        const quality::RgbImage full = readDisplay(*session.device, frame);
-        const QualityFigures figures = judge(full, sample.picture);
-        quality.frames.push_back(figures);
-        psnr.push_back(figures.psnrDb);
-        ssim.push_back(figures.ssim);
-        flip.push_back(figures.flip);
-        bar.update(quality.frames.size());
-        if (&sample != &run.samples.back()) continue;
-        if (const auto written = writePng(beside(options.out, "reference"), full); !written)
-            return tl::unexpected(written.error());
-        const auto map = quality::falseColor(quality::flipMap(full, sample.picture));
-        if (const auto written = writePng(beside(options.out, "flip"), map); !written)
-            return tl::unexpected(written.error());
-    }
-    quality.median = {budget::median(psnr), budget::median(ssim), budget::median(flip)};
-    quality.worstPsnrDb = *std::min_element(psnr.begin(), psnr.end());
-    return quality;
+/// The last sample at full quality and its FLIP map, beside the picture.
+Result<void> writeReference(const fs::path& out, const RunQuality& quality,
+                            const quality::RgbImage& test, std::vector<fs::path>& files) {
+    const quality::RgbImage& full = quality.lastReference;
+    files.insert(files.end(), {beside(out, "reference"), beside(out, "flip")});
+    if (auto written = writePng(beside(out, "reference"), full); !written) return written;
+    return writePng(beside(out, "flip"), quality::falseColor(quality::flipMap(full, test)));
 }
 
 std::string percent(double share) {
@@ -97,20 +61,6 @@ std::string percent(double share) {
 
 std::string db(double value) {
     return std::isinf(value) ? "identical" : fmt::format("{:.1f} dB", value);
-}
-
-/// Triangles that the last frame drew, and instances and clusters of the scene.
-Json countsOf(const Session& session, const frame::Frame& frame) {
-    const scene::GpuScene& scene = *session.gpuScene;
-    const auto draws = gpu::as<vk::DrawIndirectCommand>(
-        gpu::readBuffer(*session.device, frame.drawList().draws,
-                        scene::kDrawBins * sizeof(vk::DrawIndirectCommand)));
-    std::uint64_t corners = 0;
-    for (const auto& draw : draws) corners += draw.vertexCount;
-    return {{"instances_total", scene.instanceCount()},
-            {"clusters_total", scene.clusterCount() - 1},
-            {"triangles_total", scene.triangleCount()},
-            {"triangles_visible", corners / 3}};
 }
 
 void printPasses(const std::vector<PassTimes>& passes, double frameMs) {
@@ -129,7 +79,7 @@ struct Outcome {
     std::optional<double> targetMs;
     Run run;
     double frameMs = 0;
-    std::optional<Quality> quality;
+    std::optional<RunQuality> quality;
 };
 
 void printSummary(const Options& options, const Outcome& outcome) {
@@ -149,11 +99,12 @@ void printSummary(const Options& options, const Outcome& outcome) {
         table.row({"within 5 %", percent(trace.shareWithin(0.05, settling)), ""});
         table.row({"r turns around in", percent(trace.turnShare(settling)), "of the frames"});
     } else {
-        table.row({"frame", formatMs(outcome.frameMs),
-                   fmt::format("median of {}, r = {:.2f}", options.frames, options.shadingRate)});
+        table.row(
+            {"frame", formatMs(outcome.frameMs),
+             fmt::format("median of {}, r = {:.2f}", options.frames, options.levers.shadingRate)});
     }
     if (outcome.quality) {
-        const Quality& q = *outcome.quality;
+        const RunQuality& q = *outcome.quality;
         const std::string note = q.frames.size() == 1
                                      ? "against full quality"
                                      : fmt::format(
@@ -171,12 +122,13 @@ void printSummary(const Options& options, const Outcome& outcome) {
             "coarse shading; raise the budget or lower --size\n");
 }
 
-Result<void> writeReport(const Options& options, const Session& session, const Json& counts,
-                         const std::vector<PassTimes>& passes, const Outcome& outcome) {
+Result<void> writeReport(const Options& options, const Session& session, const frame::Frame& frame,
+                         const Json& counts, const std::vector<PassTimes>& passes,
+                         const Outcome& outcome) {
     Report report;
     describeDevice(session, report);
-    report.settings = settingsJson(options.settings);
-    report.settings["shading_rate"] = options.shadingRate;
+    report.settings = settingsJson(frame.settings());
+    report.settings.update(leversJson(options.levers));
     report.settings["frames"] = options.frames;
     report.passes = passes;
     report.frameMs = outcome.frameMs;
@@ -210,14 +162,6 @@ Result<void> writeReport(const Options& options, const Session& session, const J
     return writeJson(options.json, toJson(report));
 }
 
-/// An error when the validation layers had anything to say.
-Result<void> validationVerdict(const gpu::Device& device) {
-    const auto messages = device.validationMessages();
-    if (messages.empty()) return {};
-    return fail(fmt::format("the validation layers said {} things, first: {}", messages.size(),
-                            printable(messages.front())));
-}
-
 Result<void> run(Options options) {
     auto session = openSession(options.scene, options.device);
     if (!session) return tl::unexpected(session.error());
@@ -233,11 +177,12 @@ Result<void> run(Options options) {
         .frames = options.frames,
         .path = options.path,
         .fps = options.fps,
-        .shadingRate = static_cast<float>(options.shadingRate),
+        .levers = options.levers,
         .samples = options.reference ? std::min<std::size_t>(options.frames, 12) : 0};
     Outcome outcome;
     if (options.budget) {
-        outcome.calibration = calibrate(frame, options.path.at(*camera, 0, options.frames), 5);
+        outcome.calibration =
+            calibrate(frame, options.path.at(*camera, 0, options.frames), options.levers, 5);
         runOptions.calibration = outcome.calibration;
         outcome.targetMs = options.budget->targetMs(outcome.calibration.fullMs);
         if (options.controller != "none") runOptions.targetMs = outcome.targetMs;
@@ -277,18 +222,18 @@ Result<void> run(Options options) {
     for (const auto& costs : outcome.run.costs) frameTimes.push_back(costs.gpuMs);
     outcome.frameMs = budget::median(frameTimes);
     if (options.reference) {
-        auto quality = judgeRun(*session, frame, outcome.run, options);
-        if (!quality) return tl::unexpected(quality.error());
-        outcome.quality = std::move(*quality);
-        files.push_back(beside(options.out, "reference"));
-        files.push_back(beside(options.out, "flip"));
+        outcome.quality = judgeRun(*session, frame, outcome.run, options.fps);
+        const auto written = writeReference(options.out, *outcome.quality,
+                                            outcome.run.samples.back().picture, files);
+        if (!written) return written;
     }
 
     const auto passes = summarisePasses(outcome.run.costs);
     printPasses(passes, outcome.frameMs);
     printSummary(options, outcome);
     if (!options.json.empty()) {
-        if (auto done = writeReport(options, *session, counts, passes, outcome); !done) return done;
+        if (auto done = writeReport(options, *session, frame, counts, passes, outcome); !done)
+            return done;
         files.push_back(options.json);
     }
     for (const fs::path& file : files) fmt::print("wrote {}\n", file.string());
@@ -339,17 +284,11 @@ void addRender(CLI::App& app, int& exitCode) {
         ->add_flag("--reference", o->reference,
                    "also render at full quality and report PSNR, SSIM and FLIP against it")
         ->group("Run");
-    command
-        ->add_option("--shading-rate", o->shadingRate,
-                     "r of the coarse terms where there is no budget; 1 = full quality")
-        ->type_name("R")
-        ->check(CLI::Range(1.0, 64.0))
-        ->capture_default_str()
-        ->group("Shading");
+    addLeverOptions(*command, o->levers);
     addFrameOptions(*command, o->settings);
     addParsed(*command, "--aov", o->aovs, parseAovs,
               "also write these as EXR beside --out: depth, normal, albedo, roughness, metallic, "
-              "occlusion, id, shadow, ambient")
+              "occlusion, id, shadow, ao")
         ->type_name("NAME[,NAME]");
     addJsonOption(*command, o->json);
     addDeviceOption(*command, o->device.device);

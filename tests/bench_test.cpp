@@ -14,8 +14,9 @@
 
 #include "app/bench/depth_edges.hpp"
 #include "app/bench/gbuffer.hpp"
+#include "app/bench/published.hpp"
 #include "app/image_io.hpp"
-#include "app/session.hpp"
+#include "app/judge.hpp"
 #include "temp_folder.hpp"
 
 namespace lodestar::app {
@@ -116,6 +117,33 @@ TEST(BenchCsv, hasAColumnForEveryKeyAndQuotes) {
     EXPECT_EQ(csvOf(rows), "a,b,c\n1,\"x,\"\"y\"\"\",\n,,2.5\n");
 }
 
+TEST(Published, hasTheFiguresAsPrinted) {
+    const Json& figure = published("yang2008_fig2");
+    ASSERT_EQ(figure.at("rows").size(), 3u);
+    EXPECT_EQ(figure.at("rows")[1].at("scene"), "chess");
+    EXPECT_EQ(figure.at("rows")[1].at("fine_grained").at("fps"), 21);
+    EXPECT_THROW(published("no such table"), std::invalid_argument);
+}
+
+/// What is behind the camera is neither drawn nor counted.
+TEST(Counts, sayWhatTheLastFrameDrew) {
+    auto session = openSession("builtin:columns", {.validation = true});
+    ASSERT_TRUE(session);
+    frame::Frame frame(*session->device, *session->gpuScene, {.size = {64, 36}});
+    scene::Camera camera = *resolveCamera(*session, {.size = {64, 36}});
+    frame.render(camera, {});
+    const Json whole = countsOf(*session, frame);
+    EXPECT_EQ(whole.at("instances_visible"), whole.at("instances_total"));  // framed as a whole
+    EXPECT_LE(whole.at("triangles_visible"), whole.at("triangles_total"));
+
+    camera.at = 2.0f * camera.eye - camera.at;
+    frame.render(camera, {});
+    const Json none = countsOf(*session, frame);
+    for (const char* things : {"instances", "clusters", "triangles"})
+        EXPECT_EQ(none.at(std::string(things) + "_visible"), 0) << things;
+    EXPECT_EQ(session->device->validationMessages(), std::vector<std::string>());
+}
+
 TEST(Bench, namesItsScenesFolderWhenItIsMissing) {
     TempFolder folder;
     BenchOptions options{.out = folder / "out", .scenes = folder / "nowhere"};
@@ -209,6 +237,13 @@ TEST(ShadingRateBench, barsFollowFromTheRows) {
                 1e-9);
     EXPECT_EQ(json->at("bars").size(), 3u + 3u + 2u);
     EXPECT_FALSE(json->at("source").empty());
+    const Json& counts = json->at("counts");
+    for (const char* things : {"instances", "clusters", "triangles"}) {
+        const std::string name = things;
+        EXPECT_GT(counts.at(name + "_visible").get<int>(), 0) << name;
+        EXPECT_LE(counts.at(name + "_visible"), counts.at(name + "_total")) << name;
+    }
+    EXPECT_EQ(counts.at("triangles_per_lod"), Json::array({counts.at("triangles_visible")}));
     EXPECT_FALSE(json->at("device").get<std::string>().empty());
 
     // The files hold what was measured.

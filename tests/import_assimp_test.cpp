@@ -243,7 +243,69 @@ TEST_F(ImportAssimp, imageThatClaimsToBeHugeIsLeftOut) {
     const Scene scene = imported("m.obj", "mtllib m.mtl\nusemtl a\n" + kQuad);
     EXPECT_TRUE(scene.images.empty());
     ASSERT_EQ(scene.notes.size(), 1u);
-    EXPECT_NE(scene.notes[0].find("is too large (32767 x 32767)"), std::string::npos);
+    EXPECT_NE(scene.notes[0].find("is too large: 32767 x 32767 texels"), std::string::npos);
+}
+
+TEST_F(ImportAssimp, normalsAgainstTheWindingTurnAround) {
+    for (const char* normal : {"0 0 1", "0 0 -1"}) {
+        const Scene scene =
+            imported("n.stl", "solid s\nfacet normal " + std::string(normal) +
+                                  "\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
+                                  "endloop\nendfacet\nendsolid s\n");
+        expectSound(scene);
+        for (const Vertex& v : scene.meshes.at(0).vertices)
+            EXPECT_EQ(v.normal, glm::vec3(0, 0, 1)) << "of a file that says " << normal;
+    }
+}
+
+TEST_F(ImportAssimp, sharpEdgesStaySharpWhereTheFileHasNoNormals) {
+    std::string cube = "OFF\n8 6 0\n";
+    for (int i = 0; i < 8; ++i)
+        cube += std::to_string(i & 1) + ' ' + std::to_string(i >> 1 & 1) + ' ' +
+                std::to_string(i >> 2) + '\n';
+    cube += "4 0 2 3 1\n4 4 5 7 6\n4 0 1 5 4\n4 2 6 7 3\n4 0 4 6 2\n4 1 3 7 5\n";
+    const Scene scene = imported("cube.off", cube);
+    expectSound(scene);
+    const Mesh& mesh = scene.meshes.at(0);
+    EXPECT_EQ(mesh.vertices.size(), 24u);  // three a corner: equal ones are one again
+    for (const Vertex& v : mesh.vertices) {
+        const glm::vec3 n = glm::abs(v.normal);
+        EXPECT_NEAR(std::max({n.x, n.y, n.z}), 1, 1e-6);
+    }
+}
+
+TEST_F(ImportAssimp, opacityOfNothingMeansOpaqueAndBlendingIsNoted) {
+    write("m.mtl", "newmtl a\nd 0\nnewmtl b\nd 0.4\n");
+    const Scene scene =
+        imported("m.obj", "mtllib m.mtl\nusemtl a\n" + kQuad + "usemtl b\nf 1/1 2/2 3/3\n");
+    for (const Mesh& mesh : scene.meshes) {
+        const Material& material = scene.materials[mesh.material];
+        EXPECT_EQ(material.alphaMode, material.name == "a" ? AlphaMode::opaque : AlphaMode::blend);
+        EXPECT_NEAR(material.baseColor.a, material.name == "a" ? 1 : 0.4f, 1e-6);
+    }
+    ASSERT_EQ(scene.notes.size(), 1u);
+    EXPECT_TRUE(scene.notes[0].starts_with("1 alpha-blend materials"));
+}
+
+TEST_F(ImportAssimp, lampWithoutItsPictureIsDark) {
+    write("m.mtl", "newmtl a\nKe 3 3 0\nmap_Ke gone.png\nnewmtl b\nKe 1 1 0\n");
+    const Scene scene =
+        imported("m.obj", "mtllib m.mtl\nusemtl a\n" + kQuad + "usemtl b\nf 1/1 2/2 3/3\n");
+    for (const Mesh& mesh : scene.meshes) {
+        const Material& material = scene.materials[mesh.material];
+        EXPECT_EQ(material.emissive.r, material.name == "a" ? 0 : 1) << material.name;
+    }
+}
+
+TEST_F(ImportAssimp, imageThatWouldDecodeForMinutesIsLeftOut) {
+    std::string jpeg("\xff\xd8\xff\xc2\0\x0b\x08\0\x10\0\x10\1\1\x11\0", 15);
+    for (int i = 0; i < 1000; ++i) jpeg += std::string("\xff\xda\0\x08\1\1\0\0\0\0", 10);
+    write("scans.jpg", jpeg);
+    write("m.mtl", "newmtl a\nmap_Kd scans.jpg\n");
+    const Scene scene = imported("m.obj", "mtllib m.mtl\nusemtl a\n" + kQuad);
+    EXPECT_TRUE(scene.images.empty());
+    ASSERT_EQ(scene.notes.size(), 1u);
+    EXPECT_NE(scene.notes[0].find("has 1000 scans"), std::string::npos) << scene.notes[0];
 }
 
 TEST_F(ImportAssimp, vertexColoursAreLinearAndNotDimmed) {
@@ -398,6 +460,20 @@ TEST_F(AssimpModels, colladaHasHierarchyCameraAndInstances) {
 
     const Scene teapots = imported("Collada/teapot_instancenodes.DAE");
     EXPECT_EQ(countTriangles(teapots).drawn, 2 * countTriangles(teapots).stored);
+}
+
+TEST_F(AssimpModels, onlyUvSetServesAMaterialThatNamesTheSecond) {
+    const Scene cube = imported("Collada/kwxport_test_vcolors.dae");
+    ASSERT_EQ(cube.meshes.size(), 3u);
+    for (const Mesh& mesh : cube.meshes) {
+        EXPECT_EQ(cube.materials[mesh.material].baseColorTexture.uvSet, 1u);
+        glm::vec2 lower(9), upper(-9);
+        for (const Vertex& v : mesh.vertices) {
+            lower = glm::min(lower, v.uv1);
+            upper = glm::max(upper, v.uv1);
+        }
+        EXPECT_EQ(upper - lower, glm::vec2(1)) << "the whole picture on each side";
+    }
 }
 
 TEST_F(AssimpModels, fbxIsInMetresAndHasItsEmbeddedImage) {

@@ -37,8 +37,11 @@ struct AllParams {
     CaptureParams capture;
     ViewParams view;
     CoarseParams coarse;
+    GpuLightView lightView;
     LightParams light;
     UpsampleParams upsample;
+    RepairHeader repair;
+    RepairSelectParams repairSelect;
     TonemapParams tonemap;
     CompactVisibilityParams compactVisibility;
     CaptureComputeParams captureCompute;
@@ -54,9 +57,20 @@ struct AllParams {
 LS_NAMESPACE_END
 
 // Calls VISIT for every field, in the order of declaration. An array is visited entry by entry.
+// clang-format off
 #define LS_VISIT_3(VISIT, a) VISIT(a[0]) VISIT(a[1]) VISIT(a[2])
 #define LS_VISIT_5(VISIT, a) LS_VISIT_3(VISIT, a) VISIT(a[3]) VISIT(a[4])
-// clang-format off
+#define LS_VISIT_BINS_4(VISIT, a, i) \
+    VISIT(a[i]) VISIT(a[i + 1]) VISIT(a[i + 2]) VISIT(a[i + 3])
+#define LS_VISIT_BINS_16(VISIT, a, i) \
+    LS_VISIT_BINS_4(VISIT, a, i) LS_VISIT_BINS_4(VISIT, a, i + 4) \
+    LS_VISIT_BINS_4(VISIT, a, i + 8) LS_VISIT_BINS_4(VISIT, a, i + 12)
+#define LS_VISIT_VIEW(VISIT, a) \
+    VISIT(a.u) VISIT(a.v) VISIT(a.depth) VISIT(a.toLight) VISIT(a.weight) VISIT(a.bias) \
+    VISIT(a.planeScale)
+#define LS_VISIT_VIEWS_4(VISIT, a, i) \
+    LS_VISIT_VIEW(VISIT, a[i]) LS_VISIT_VIEW(VISIT, a[i + 1]) \
+    LS_VISIT_VIEW(VISIT, a[i + 2]) LS_VISIT_VIEW(VISIT, a[i + 3])
 #define LS_VISIT_ALL(VISIT, p) \
     VISIT(p.vertex.position) VISIT(p.vertex.normal) \
     VISIT(p.attributes.uv) VISIT(p.attributes.tangent) VISIT(p.attributes.color) \
@@ -91,15 +105,24 @@ LS_NAMESPACE_END
     VISIT(p.view.clipFromWorld) VISIT(p.view.viewFromWorld) VISIT(p.view.eye) \
     VISIT(p.view.clipScale) \
     VISIT(p.coarse.size) VISIT(p.coarse.fullSize) VISIT(p.coarse.rate) \
+    VISIT(p.coarse.terms) \
+    LS_VISIT_VIEW(VISIT, p.lightView) \
     VISIT(p.light.toSun) VISIT(p.light.sunIlluminance) \
     LS_VISIT_5(VISIT, p.light.irradiance) VISIT(p.light.irradiance[5]) \
     VISIT(p.light.irradiance[6]) VISIT(p.light.irradiance[7]) VISIT(p.light.irradiance[8]) \
-    LS_VISIT_3(VISIT, p.light.irradianceSlope) VISIT(p.light.shadowFromWorld) \
-    VISIT(p.light.shadowRight) VISIT(p.light.shadowUp) VISIT(p.light.shadowTexel) \
-    VISIT(p.light.shadowDepthScale) VISIT(p.light.shadowTaps) VISIT(p.light.lightCount) \
-    VISIT(p.light.skyLevels) VISIT(p.light.exposure) \
+    VISIT(p.light.shadowTaps) VISIT(p.light.skyViewCount) VISIT(p.light.skyTaps) \
+    VISIT(p.light.noiseOctaves) VISIT(p.light.noiseFrequency) \
+    VISIT(p.light.lightCount) VISIT(p.light.skyLevels) VISIT(p.light.exposure) \
+    VISIT(p.light.perLux) \
+    LS_VISIT_VIEWS_4(VISIT, p.light.views, 0) LS_VISIT_VIEWS_4(VISIT, p.light.views, 4) \
+    LS_VISIT_VIEWS_4(VISIT, p.light.views, 8) \
+    LS_VISIT_VIEWS_4(VISIT, p.light.views, 12) LS_VISIT_VIEW(VISIT, p.light.views[16]) \
     VISIT(p.upsample.size) VISIT(p.upsample.inverseRate) VISIT(p.upsample.depthFalloff) \
-    VISIT(p.upsample.normalFalloff) \
+    VISIT(p.upsample.normalFalloff) VISIT(p.upsample.terms) VISIT(p.upsample.repairAbove) VISIT(p.upsample.repairSpread) \
+    LS_VISIT_3(VISIT, p.repair.groups) VISIT(p.repair.listed) VISIT(p.repair.kept) \
+    VISIT(p.repair.cut) LS_VISIT_BINS_16(VISIT, p.repair.bins, 0) \
+    LS_VISIT_BINS_16(VISIT, p.repair.bins, 16) LS_VISIT_BINS_16(VISIT, p.repair.bins, 32) \
+    LS_VISIT_BINS_16(VISIT, p.repair.bins, 48) VISIT(p.repairSelect.most) \
     VISIT(p.tonemap.exposure) \
     VISIT(p.compactVisibility.width) VISIT(p.compactVisibility.firstRow) \
     VISIT(p.compactVisibility.rows) VISIT(p.compactVisibility.band) \

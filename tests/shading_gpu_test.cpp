@@ -30,7 +30,7 @@ struct Pixel {
     vec3 normal{0, 0, 1};
     vec3 emissive{0};
     float depth = 2;
-    vec4 terms{kPi, kPi, kPi, 1};  // under a sky of radiance 1
+    glm::vec2 visible{1, 1};  // of the sun, of the sky
 };
 
 class ShadingGpu : public GpuTest {
@@ -57,7 +57,7 @@ protected:
         shared::LightParams light{.toSun = {0, 0, 1}};
         light.irradiance[0] = vec3(kPi);
         light.skyLevels = 1;
-        light.exposure = 1;
+        light.exposure = light.perLux = 1;
         return light;
     }
 
@@ -72,7 +72,7 @@ protected:
                                 glm::packUnorm4x8({p.roughness, p.metallic, 0, 0}) | p.flags << 16,
                                 normal, normal});
             emissive.push_back(vec4(p.emissive, 0));
-            terms.push_back(p.terms);
+            terms.push_back(vec4(p.visible, 0, 0));
         }
         const gpu::Image depths = row(vk::Format::eR32Sfloat, depth);
         const gpu::Image materials = row(vk::Format::eR32G32B32A32Uint, material);
@@ -141,9 +141,11 @@ TEST_F(ShadingGpu, whiteSurfacesUnderAConstantSkyReflectNoMoreThanTheyGet) {
 
 TEST_F(ShadingGpu, absorbedAndOccludedLightIsGone) {
     const auto values = texelsOf(combined(
-        {{.albedo = vec3(0)}, {.occlusion = 0}, {.albedo = vec3(0.25f)}, {}}, constantSky()));
+        {{.albedo = vec3(0)}, {.occlusion = 0}, {.albedo = vec3(0.25f)}, {}, {.visible = {1, 0}}},
+        constantSky()));
     EXPECT_LT(values[0].x, 0.05f);  // the specular share alone
     EXPECT_EQ(values[1].x, 0);
+    EXPECT_NEAR(values[4].x, 0.3f * values[3].x, 2e-3) << "what hides the sky sends some back";
     EXPECT_NEAR(values[2].x - values[0].x, 0.25f * (values[3].x - values[0].x), 2e-3);
 }
 
@@ -151,11 +153,10 @@ TEST_F(ShadingGpu, absorbedAndOccludedLightIsGone) {
 TEST_F(ShadingGpu, sunAtNormalIncidenceIsTheClosedForm) {
     shared::LightParams light = constantSky();
     light.sunIlluminance = {3, 2, 1};
-    const std::vector<Pixel> pixels{
-        {.albedo = vec3(0.25f), .occlusion = 0},
-        {.albedo = vec3(0.25f), .occlusion = 0, .terms = {0, 0, 0, 0.5f}},
-        {.albedo = vec3(0.25f), .occlusion = 0, .terms = vec4(0)},
-        {.occlusion = 0, .normal = {0, 0, -1}}};
+    const std::vector<Pixel> pixels{{.albedo = vec3(0.25f), .occlusion = 0},
+                                    {.albedo = vec3(0.25f), .occlusion = 0, .visible = {0.5f, 1}},
+                                    {.albedo = vec3(0.25f), .occlusion = 0, .visible = {0, 1}},
+                                    {.occlusion = 0, .normal = {0, 0, -1}}};
     const auto values = texelsOf(combined(pixels, light));
     for (int c = 0; c < 3; ++c) {
         const float f0 = 0.04f, albedo = 0.25f;

@@ -172,7 +172,7 @@ std::vector<vec3> cornersOf(const scene::Bounds& b) {
     return corners;
 }
 
-vec3 clip(const SunView& sun, vec3 p) {
+vec3 clip(const LightView& sun, vec3 p) {
     return vec3(sun.clipFromWorld * glm::vec4(p, 1));
 }
 
@@ -180,7 +180,7 @@ const scene::Bounds kHall{{-20, 0, -8}, {15, 9, 8}};
 
 TEST(SunFit, sceneLiesInsideMapAndDepthRange) {
     for (const vec3 toSun : directions(50, 6)) {
-        const SunView sun = fitSun(toSun, kHall, {}, 1.5f, 1e5f, 1024);
+        const LightView sun = fitSun(toSun, kHall, {}, 1.5f, 1e5f, 1024);
         for (const vec3 p : cornersOf(kHall)) {
             const vec3 c = clip(sun, p);
             EXPECT_LT(std::max(std::abs(c.x), std::abs(c.y)), 1);
@@ -192,7 +192,7 @@ TEST(SunFit, sceneLiesInsideMapAndDepthRange) {
 
 TEST(SunFit, nearerTheSunIsDeeper) {
     const vec3 toSun = glm::normalize(vec3(0.3f, 0.8f, -0.2f));
-    const SunView sun = fitSun(toSun, kHall, {}, 1, 1e5f, 512);
+    const LightView sun = fitSun(toSun, kHall, {}, 1, 1e5f, 512);
     EXPECT_NEAR(clip(sun, toSun * 2.f).z - clip(sun, vec3(0)).z, 2 * sun.depthScale, 1e-6);
 }
 
@@ -206,7 +206,7 @@ TEST(SunFit, aCloseViewIsCoveredAndCastersBeyondItKeepTheirDepth) {
     for (const vec3 toSun : directions(40, 7)) {
         const scene::Camera camera =
             closeUp({-10, 2, 0.3f}, vec3(-10, 2, 0.3f) + vec3(toSun.z, toSun.x, toSun.y));
-        const SunView sun = fitSun(toSun, kHall, camera, aspect, distance, 1024);
+        const LightView sun = fitSun(toSun, kHall, camera, aspect, distance, 1024);
         EXPECT_LT(sun.texel, 0.6f * fitSun(toSun, kHall, camera, aspect, 1e5f, 1024).texel);
         // The view's pyramid, whose corners lie at `distance` along the axis.
         const glm::mat4 worldFromView = glm::inverse(camera.viewFromWorld());
@@ -231,15 +231,15 @@ TEST(SunFit, smallCameraMovesLeaveItAndLargeOnesShiftItByWholeTexels) {
     const auto fitAt = [&](float x) {
         return fitSun(toSun, kHall, closeUp({x, 2, 0}, {x + 1, 2, 0.4f}), 1.6f, 5, 1024);
     };
-    const SunView first = fitAt(-10);
-    SunView before = first;
+    const LightView first = fitAt(-10);
+    LightView before = first;
     int changes = 0;
     for (int i = 1; i <= 400; ++i) {
-        const SunView now = fitAt(-10 + 0.01f * float(i));
+        const LightView now = fitAt(-10 + 0.01f * float(i));
         if (now == before) continue;
         ++changes;
         before = now;
-        const glm::vec4 shift = now.shadowFromWorld[3] - first.shadowFromWorld[3];
+        const glm::vec4 shift = now.mapFromWorld[3] - first.mapFromWorld[3];
         EXPECT_EQ(now.texel, first.texel);
         EXPECT_NEAR(shift.x, std::round(shift.x), 0.01);
         EXPECT_NEAR(shift.y, std::round(shift.y), 0.01);
@@ -251,28 +251,58 @@ TEST(SunFit, smallCameraMovesLeaveItAndLargeOnesShiftItByWholeTexels) {
 
 TEST(SunFit, bothMatricesNameTheSameTexel) {
     for (const vec3 toSun : directions(20, 8)) {
-        const SunView sun = fitSun(toSun, kHall, closeUp({0, 1, 0}, {1, 1, 0}), 1, 5, 1024);
+        const LightView sun = fitSun(toSun, kHall, closeUp({0, 1, 0}, {1, 1, 0}), 1, 5, 1024);
         for (const vec3 p : directions(20, 9)) {
-            const vec3 c = clip(sun, p), s = vec3(sun.shadowFromWorld * glm::vec4(p, 1));
+            const vec3 c = clip(sun, p), s = vec3(sun.mapFromWorld * glm::vec4(p, 1));
             EXPECT_NEAR(s.x, (c.x + 1) / 2 * 1024, 1e-2);
             EXPECT_NEAR(s.y, (c.y + 1) / 2 * 1024, 1e-2);
             EXPECT_NEAR(s.z, c.z, 1e-6);
-            // One texel along `right` and `up` is one texel of the map.
-            const vec3 r = vec3(sun.shadowFromWorld * glm::vec4(p + sun.right * sun.texel, 1)) - s;
-            const vec3 u = vec3(sun.shadowFromWorld * glm::vec4(p + sun.up * sun.texel, 1)) - s;
-            EXPECT_NEAR(r.x, 1, 1e-2);
-            EXPECT_NEAR(r.y, 0, 1e-2);
-            EXPECT_NEAR(u.x, 0, 1e-2);
-            EXPECT_NEAR(u.y, 1, 1e-2);
+            // The shader's rows: the same texel and depth; a texel is as long as it says.
+            const shared::GpuLightView rows = sun.params();
+            EXPECT_NEAR(glm::dot(rows.u, glm::vec4(p, 1)), s.x, 1e-2);
+            EXPECT_NEAR(glm::dot(rows.v, glm::vec4(p, 1)), s.y, 1e-2);
+            EXPECT_NEAR(glm::dot(rows.depth, glm::vec4(p, 1)), s.z, 1e-6);
+            EXPECT_NEAR(glm::length(vec3(rows.u)) * sun.texel, 1, 1e-4);
+            EXPECT_NEAR(glm::dot(vec3(rows.u), vec3(rows.v)), 0, 1e-3);
         }
     }
 }
 
+TEST(SkyFit, viewsLookDownFromEverywhereAndHoldTheScene) {
+    const Sky sky({0.3f, 0.8f, 0.2f});
+    const auto views = fitSky(sky, kHall, 16, 256);
+    ASSERT_EQ(views.size(), 16u);
+    vec3 sum{0};
+    for (const LightView& view : views) {
+        EXPECT_GT(view.toLight.y, 0);
+        EXPECT_NEAR(glm::length(view.toLight), 1, 1e-5);
+        EXPECT_GT(view.weight, 0);
+        sum += view.toLight;
+        for (int corner = 0; corner < 8; ++corner) {
+            const vec3 p(corner & 1 ? kHall.upper.x : kHall.lower.x,
+                         corner & 2 ? kHall.upper.y : kHall.lower.y,
+                         corner & 4 ? kHall.upper.z : kHall.lower.z);
+            const vec3 at(view.mapFromWorld * glm::vec4(p, 1));
+            for (int axis = 0; axis < 2; ++axis) {
+                EXPECT_GT(at[axis], 0);
+                EXPECT_LT(at[axis], 256);
+            }
+            EXPECT_GT(at.z, 0);
+            EXPECT_LT(at.z, 1);
+        }
+    }
+    // Spread over the hemisphere: their mean is straight up, half a unit long.
+    EXPECT_NEAR(sum.x / 16, 0, 0.05);
+    EXPECT_NEAR(sum.y / 16, 0.5, 0.01);
+    EXPECT_NEAR(sum.z / 16, 0, 0.05);
+    EXPECT_TRUE(fitSky(sky, kHall, 0, 256).empty());
+}
+
 TEST(SunFit, emptySceneAndZenithSunAreFinite) {
     for (const vec3 toSun : {kUp, -kUp, vec3(1, 0, 0)}) {
-        const SunView sun = fitSun(toSun, {}, {}, 1, 0, 64);
+        const LightView sun = fitSun(toSun, {}, {}, 1, 0, 64);
         for (int i = 0; i < 4; ++i)
-            for (int j = 0; j < 4; ++j) EXPECT_TRUE(std::isfinite(sun.shadowFromWorld[i][j]));
+            for (int j = 0; j < 4; ++j) EXPECT_TRUE(std::isfinite(sun.mapFromWorld[i][j]));
     }
 }
 

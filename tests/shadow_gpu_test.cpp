@@ -78,10 +78,28 @@ std::optional<Hit> look(const std::vector<Quad>& quads, const scene::Camera& cam
     return best;
 }
 
+/// The depth maps as drawn, in main memory.
+struct DepthMaps {
+    int size;
+    std::vector<std::vector<float>> maps;  ///< the sun's, then those of the sky
+
+    DepthTexels map(std::size_t i) const { return {maps.at(i), size, size}; }
+    double sunVisibility(const shared::LightParams& light, const Hit& hit) const {
+        if (light.shadowTaps == 0) return 1;
+        return lightVisibilityReference(light.views[0], map(0), int(light.shadowTaps), hit.position,
+                                        hit.normal);
+    }
+    double skyVisibility(const shared::LightParams& light, const Hit& hit) const {
+        std::vector<DepthTexels> sky;
+        for (std::size_t i = 1; i < maps.size(); ++i) sky.push_back(map(i));
+        return skyVisibilityReference(light, sky, hit.position, hit.normal, hit.normal);
+    }
+};
+
 /// The passes up to the coarse terms, for one scene.
 class Rig {
 public:
-    static constexpr std::uint32_t kMapSize = 128;
+    static constexpr std::uint32_t kMapSize = 128, kSkyViews = 5;
 
     Rig(const gpu::Device& owner, const std::vector<Quad>& quads, vk::Extent2D pictureSize)
         : device(owner),
@@ -93,12 +111,13 @@ public:
           shadowCapture(owner, gpuScene.features(), visibility::CaptureSs::Writes::depthOnly),
           coarse(owner),
           eyeList(owner, gpuScene, "eye"),
-          sunList(owner, gpuScene, "sun"),
+          lightList(owner, gpuScene, "light"),
           viewBuffer(owner, "view", sizeof(shared::ViewParams), gpu::Residence::mapped),
           lightBuffer(owner, "light", sizeof(shared::LightParams), gpu::Residence::mapped),
           ids(target(size, vk::Format::eR32Uint, Usage::eColorAttachment)),
           depth(target(size, vk::Format::eD32Sfloat, Usage::eDepthStencilAttachment)),
-          map(target({kMapSize, kMapSize}, vk::Format::eD32Sfloat, Usage::eDepthStencilAttachment)),
+          sunMap(depthMaps(1)),
+          skyMaps(depthMaps(kSkyViews)),
           terms(target(size, vk::Format::eR16G16B16A16Sfloat, Usage::eStorage)),
           texels(target(size, vk::Format::eR32G32B32A32Uint, Usage::eStorage)) {}
 
@@ -108,9 +127,10 @@ public:
         const glm::mat4 clipFromView = camera.clipFromView(aspect);
         const glm::mat4 clipFromWorld = clipFromView * camera.viewFromWorld();
         sun = fitSun(toSun, gpuScene.bounds(), camera, aspect, 1e5f, kMapSize);
-        light = ShadowScene::lightOf(sun, toSun, taps);
-        const auto irradiance = Sky(toSun).irradiance();
-        std::copy(irradiance.begin(), irradiance.end(), light.irradiance);
+        const auto skyViews = fitSky(Sky(toSun), gpuScene.bounds(), kSkyViews, kMapSize);
+        light = {.toSun = toSun, .shadowTaps = taps, .skyViewCount = kSkyViews, .skyTaps = 2};
+        light.views[0] = sun.params();
+        for (std::size_t i = 0; i < kSkyViews; ++i) light.views[i + 1] = skyViews[i].params();
         *lightBuffer.mapped<shared::LightParams>() = light;
         *viewBuffer.mapped<shared::ViewParams>() = {
             .clipFromWorld = clipFromWorld,
@@ -120,21 +140,29 @@ public:
 
         gpu::Recorder rec(device);
         rec.begin();
-        cull.record(rec, gpuScene,
-                    {.clipFromWorld = sun.clipFromWorld,
-                     .size = map.extent(),
-                     .perspective = false,
-                     .keepBeforeNear = true},
-                    sunList);
+        const auto drawMap = [&](const LightView& from, gpu::View map) {
+            cull.record(rec, gpuScene,
+                        {.clipFromWorld = from.clipFromWorld,
+                         .size = map.extent,
+                         .perspective = false,
+                         .keepBeforeNear = true},
+                        lightList);
+            rec.barrier(Stage::compute, Stage::raster);
+            rec.barrier(Stage::compute, Stage::indirect);
+            shadowCapture.record(rec, gpuScene, lightList, from.clipFromWorld, {{}, map}, "map");
+            rec.barrier(Stage::raster, Stage::compute);
+            rec.barrier(Stage::indirect, Stage::compute);
+        };
+        drawMap(sun, sunMap.layer(0));
+        for (std::uint32_t i = 0; i < kSkyViews; ++i) drawMap(skyViews[i], skyMaps.layer(i));
         cull.record(rec, gpuScene, {clipFromWorld, camera.eye, size}, eyeList);
         rec.barrier(Stage::compute, Stage::raster);
         rec.barrier(Stage::compute, Stage::indirect);
-        shadowCapture.record(rec, gpuScene, sunList, sun.clipFromWorld, {{}, map}, "shadow map");
         capture.record(rec, gpuScene, eyeList, clipFromWorld, {ids, depth}, "capture");
         rec.barrier(Stage::raster, Stage::compute);
-        const Coarse::Inputs inputs{ids, map, viewBuffer, lightBuffer};
-        coarse.recordFull(rec, gpuScene, inputs, terms);
-        coarse.record(rec, gpuScene, inputs, rate, texels);
+        const Coarse::Inputs inputs{ids, sunMap, skyMaps, viewBuffer, lightBuffer};
+        coarse.recordFull(rec, gpuScene, inputs, shared::LS_ALL_TERMS, terms);
+        coarse.record(rec, gpuScene, inputs, shared::LS_ALL_TERMS, rate, texels);
         rec.submit();
     }
 
@@ -145,12 +173,30 @@ public:
         return values;
     }
 
+    DepthMaps readMaps() const {
+        DepthMaps read{.size = int(kMapSize), .maps = {}};
+        read.maps.push_back(gpu::as<float>(gpu::readImage(device, sunMap)));
+        for (std::uint32_t i = 0; i < kSkyViews; ++i)
+            read.maps.push_back(gpu::as<float>(gpu::readImage(device, skyMaps, i)));
+        return read;
+    }
+
     gpu::Image target(vk::Extent2D extent, vk::Format format, Usage usage) const {
         return {device,
                 {.name = "target",
                  .format = format,
                  .extent = extent,
                  .usage = Usage::eSampled | Usage::eTransferSrc | usage}};
+    }
+
+    gpu::Image depthMaps(std::uint32_t layers) const {
+        return {device,
+                {.name = "depth maps",
+                 .format = vk::Format::eD32Sfloat,
+                 .extent = {kMapSize, kMapSize},
+                 .usage = Usage::eSampled | Usage::eTransferSrc | Usage::eDepthStencilAttachment,
+                 .layers = layers,
+                 .array = true}};
     }
 
     const gpu::Device& device;
@@ -160,10 +206,10 @@ public:
     geometry::Cull cull;
     visibility::CaptureSs capture, shadowCapture;
     Coarse coarse;
-    geometry::DrawList eyeList, sunList;
+    geometry::DrawList eyeList, lightList;
     gpu::Buffer viewBuffer, lightBuffer;
-    gpu::Image ids, depth, map, terms, texels;
-    SunView sun;
+    gpu::Image ids, depth, sunMap, skyMaps, terms, texels;
+    LightView sun;
     shared::LightParams light;
 };
 
@@ -177,29 +223,32 @@ dvec2 ndcOf(dvec2 pixel, vk::Extent2D size) {
     return pixel / dvec2(size.width, size.height) * 2.0 - 1.0;
 }
 
-TEST_F(CoarseGpu, sunVisibilityIsTheReferenceAtEveryPixel) {
+TEST_F(CoarseGpu, visibilitiesAreTheReferenceAtEveryPixel) {
     Rig rig(device(), kSquareOverFloor, {97, 61});
     const double aspect = 97.0 / 61;
     for (const std::uint32_t taps : {0u, 1u, 4u, 9u}) {
         rig.draw(kSun, kFromAbove, taps);
-        const auto map = gpu::as<float>(gpu::readImage(device(), rig.map));
+        const DepthMaps maps = rig.readMaps();
         const auto terms = rig.fullTerms();
-        int lit = 0, dark = 0, between = 0;
+        int lit = 0, dark = 0, between = 0, open = 0, covered = 0;
         for (std::size_t i = 0; i < terms.size(); ++i) {
             const auto hit =
                 look(kSquareOverFloor, kFromAbove,
                      ndcOf({double(i % 97) + 0.5, double(i / 97) + 0.5}, rig.size), aspect);
             if (!hit || hit->nearEdge) continue;
-            const double expected = sunVisibilityReference(
-                rig.light, {map, Rig::kMapSize, Rig::kMapSize}, hit->position, hit->normal);
-            ASSERT_NEAR(terms[i].w, expected, 2e-3) << taps << " taps, pixel " << i;
-            ++(expected > 1 - 1e-6 ? lit : expected < 1e-6 ? dark : between);
+            const double sun = maps.sunVisibility(rig.light, *hit);
+            const double sky = maps.skyVisibility(rig.light, *hit);
+            ASSERT_NEAR(terms[i].x, sun, 2e-3) << taps << " taps, pixel " << i;
+            ASSERT_NEAR(terms[i].y, sky, 2e-3) << "pixel " << i;
+            ++(sun > 1 - 1e-6 ? lit : sun < 1e-6 ? dark : between);
+            open += sky > 0.95;
+            covered += sky < 0.8;
         }
         EXPECT_GT(lit, 500) << taps;
+        EXPECT_GT(open, 300);
+        EXPECT_GT(covered, 15) << "below the square";
         if (taps > 0) {
             EXPECT_GT(dark, 15) << taps;
-        }
-        if (taps > 0) {
             EXPECT_GT(between, 20) << taps;
         }
     }
@@ -213,8 +262,10 @@ TEST_F(CoarseGpu, aPlaneIsLitAtEveryTiltToTheSun) {
         const float tilt = glm::radians(80.f) * unit(random), turn = 6.2831853f * unit(random);
         rig.draw({std::sin(tilt) * std::cos(turn), std::cos(tilt), std::sin(tilt) * std::sin(turn)},
                  kFromAbove, 9);
-        for (const vec4& terms : rig.fullTerms())
-            ASSERT_GT(terms.w, 0.999) << "tilt " << glm::degrees(tilt) << " turn " << turn;
+        for (const vec4& terms : rig.fullTerms()) {
+            ASSERT_GT(terms.x, 0.999) << "tilt " << glm::degrees(tilt) << " turn " << turn;
+            ASSERT_GT(terms.y, 0.999) << "sky";
+        }
     }
 }
 
@@ -223,7 +274,7 @@ TEST_F(CoarseGpu, texelsHoldWhatTheirCentresSee) {
     Rig rig(device(), kSquareOverFloor, full);
     for (const float rate : {1.0f, 2.5f, 7.3f}) {
         rig.draw(kSun, kFromAbove, 9, rate);
-        const auto map = gpu::as<float>(gpu::readImage(device(), rig.map));
+        const DepthMaps maps = rig.readMaps();
         const auto texels = gpu::as<glm::uvec4>(gpu::readImage(device(), rig.texels));
         const vk::Extent2D extent = coarseExtent(full, rate);
         int surfaces = 0, empty = 0;
@@ -238,11 +289,10 @@ TEST_F(CoarseGpu, texelsHoldWhatTheirCentresSee) {
                 const auto hit = look(kSquareOverFloor, kFromAbove, ndcOf(centre, full), 97.0 / 61);
                 const glm::uvec4 texel = texels[y * full.width + x];
                 const float depth = glm::uintBitsToFloat(texel.z);
-                const auto sunAndBlue = glm::unpackHalf2x16(texel.y);
+                const glm::vec2 visible = glm::unpackHalf2x16(texel.x);
                 if (!pixel && !hit) {
                     EXPECT_EQ(depth, 0);
-                    EXPECT_EQ(glm::unpackHalf2x16(texel.x), glm::vec2(0));
-                    EXPECT_EQ(sunAndBlue.y, 1);
+                    EXPECT_EQ(visible, glm::vec2(1));
                     ++empty;
                     continue;
                 }
@@ -252,16 +302,10 @@ TEST_F(CoarseGpu, texelsHoldWhatTheirCentresSee) {
                     continue;
                 ++surfaces;
                 ASSERT_NEAR(depth, hit->depth, 1e-4 * hit->depth) << x << ',' << y << " r=" << rate;
-                ASSERT_NEAR(sunAndBlue.y,
-                            sunVisibilityReference(rig.light, {map, Rig::kMapSize, Rig::kMapSize},
-                                                   hit->position, hit->normal),
-                            2e-3)
+                ASSERT_NEAR(visible.x, maps.sunVisibility(rig.light, *hit), 2e-3)
                     << x << ',' << y << " r=" << rate;
-                // The normal is straight up: irradiance as the polynomials have it there.
-                const vec3 ambient = rig.light.irradiance[0] + rig.light.irradiance[1] -
-                                     rig.light.irradiance[6] - rig.light.irradiance[8];
-                EXPECT_NEAR(glm::unpackHalf2x16(texel.x).x, ambient.x, 2e-3);
-                EXPECT_NEAR(sunAndBlue.x, ambient.z, 2e-3);
+                ASSERT_NEAR(visible.y, maps.skyVisibility(rig.light, *hit), 2e-3)
+                    << x << ',' << y << " r=" << rate;
                 const vec3 n = glm::mat3(kFromAbove.viewFromWorld()) * vec3(hit->normal);
                 EXPECT_NEAR(glm::unpackHalf2x16(texel.w).x, n.x / n.z, 3e-3);
                 EXPECT_NEAR(glm::unpackHalf2x16(texel.w).y, n.y / n.z, 3e-3);

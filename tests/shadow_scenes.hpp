@@ -4,8 +4,8 @@
 #include <algorithm>
 #include <vector>
 
-#include <lodestar/shading/shadow_reference.hpp>
-#include <lodestar/shading/sun_shadow.hpp>
+#include <lodestar/shading/light_views.hpp>
+#include <lodestar/shading/light_visibility_reference.hpp>
 
 /// Shadow maps of a few quads, made without a GPU, for the tests of the shadow term.
 namespace lodestar::shading {
@@ -22,19 +22,18 @@ inline Quad floorQuad(double half) {
 /// What a test of the shadow term needs: the sun's view of a scene and its map.
 struct ShadowScene {
     static constexpr int kSize = 128;
-    SunView sun;
-    shared::LightParams light{};
+    LightView sun;
+    int taps;
     std::vector<float> depth;
 
-    ShadowScene(glm::vec3 toSun, std::uint32_t taps, const std::vector<Quad>& quads) {
+    ShadowScene(glm::vec3 toSun, int tapCount, const std::vector<Quad>& quads) : taps(tapCount) {
         scene::Bounds bounds;
         for (const Quad& q : quads)
             for (const glm::dvec3& p : {q.corner, q.corner + q.alongA, q.corner + q.alongB,
                                         q.corner + q.alongA + q.alongB})
                 bounds.add(glm::vec3(p));
         sun = fitSun(toSun, bounds, {}, 1, 1e6f, kSize);
-        light = lightOf(sun, toSun, taps);
-        const glm::dmat4 world = glm::inverse(glm::dmat4(sun.shadowFromWorld));
+        const glm::dmat4 world = glm::inverse(glm::dmat4(sun.mapFromWorld));
         for (int v = 0; v < kSize; ++v)
             for (int u = 0; u < kSize; ++u) {
                 double nearest = 0;
@@ -45,19 +44,8 @@ struct ShadowScene {
     }
 
     double visibility(glm::dvec3 position, glm::dvec3 normal) const {
-        return sunVisibilityReference(light, {depth, kSize, kSize}, position, normal);
-    }
-
-    static shared::LightParams lightOf(const SunView& sun, glm::vec3 toSun, std::uint32_t taps) {
-        shared::LightParams light{};
-        light.toSun = glm::normalize(toSun);
-        light.shadowFromWorld = sun.shadowFromWorld;
-        light.shadowRight = sun.right;
-        light.shadowUp = sun.up;
-        light.shadowTexel = sun.texel;
-        light.shadowDepthScale = sun.depthScale;
-        light.shadowTaps = taps;
-        return light;
+        return lightVisibilityReference(sun.params(), {depth, kSize, kSize}, taps, position,
+                                        normal);
     }
 
 private:

@@ -265,5 +265,14 @@ TEST_F(TextureTest, vertexAlphaCountsInMasks) {
     EXPECT_EQ(shown(device(), std::move(scene)), std::pair(false, false));
 }
 
+TEST_F(TextureTest, aSurfaceHalfOpaqueAllOverIsNotRiddled) {
+    const Camera camera{.eye = {1.5f, -1.2f, 1.8f}, .at = {0, 0, 0}, .verticalFov = 0.9f};
+    scene::Material material;
+    const Picture solid = View(device(), single(quad(), material)).draw(camera, {64, 48});
+    material.alphaMode = scene::AlphaMode::blend;
+    material.baseColor.a = 0.5f;
+    EXPECT_EQ(View(device(), single(quad(), material)).draw(camera, {64, 48}).ids, solid.ids);
+}
+
 }  // namespace
 }  // namespace lodestar::visibility

@@ -10,8 +10,6 @@
 
 #include <fmt/format.h>
 
-#include <lodestar/quality/metrics.hpp>
-
 #include "app/bench/benches.hpp"
 #include "app/camera_path.hpp"
 #include "app/console.hpp"
@@ -104,9 +102,9 @@ std::string csvCell(const Json& value) {
 }  // namespace
 
 const std::vector<Bench>& benches() {
-    static const std::vector<Bench> all{shadingRateBench(), budgetHoldBench(),
-                                        visibilityQualityBench(), visibilityMemoryBench(),
-                                        visibilityTimeBench()};
+    static const std::vector<Bench> all{shadingRateBench(),      framebufferLodBench(),
+                                        budgetHoldBench(),       visibilityQualityBench(),
+                                        visibilityMemoryBench(), visibilityTimeBench()};
     return all;
 }
 
@@ -176,24 +174,23 @@ Result<Json> runBench(const std::string& name, const BenchOptions& given) {
     return all;
 }
 
+Result<OpenCase> openCase(const BenchCase& what, const BenchOptions& options) {
+    auto session = openSession(what.scene, options.device);
+    if (!session) return tl::unexpected(session.error());
+    ViewOptions view = options.view;
+    view.camera = what.camera;
+    const auto camera = resolveCamera(*session, view);
+    if (!camera) return tl::unexpected(camera.error());
+    fmt::print("{} at {}x{} on {}\n", printable(what.scene), view.size.width, view.size.height,
+               session->device->description().name);
+    return OpenCase{std::move(*session), *camera};
+}
+
 std::string sceneSlug(const std::string& scene) {
     std::string name =
         scene.starts_with("builtin:") ? scene.substr(8) : fs::path(scene).stem().string();
     std::replace(name.begin(), name.end(), ':', '-');
     return name;
-}
-
-QualityFigures qualityOf(const quality::RgbImage& reference, const quality::RgbImage& test) {
-    const bool forSsim = reference.width >= 11 && reference.height >= 11;
-    return {quality::psnr(reference, test), forSsim ? quality::ssim(reference, test) : NAN,
-            quality::flip(reference, test)};
-}
-
-Result<void> validationVerdict(const gpu::Device& device) {
-    const auto messages = device.validationMessages();
-    if (messages.empty()) return {};
-    return fail(fmt::format("the validation layers said {} things, first: {}", messages.size(),
-                            printable(messages.front())));
 }
 
 Json finiteOrNull(double value) {

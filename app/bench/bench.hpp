@@ -10,10 +10,10 @@
 
 #include <lodestar/budget/budget.hpp>
 #include <lodestar/frame/frame.hpp>
-#include <lodestar/quality/image.hpp>
 
 #include "app/cli.hpp"
 #include "app/report_json.hpp"
+#include "app/session.hpp"
 
 /// `lodestar bench`: the figures and tables of the sources, measured here. docs/bench.md says what
 /// each one measures and how to read it.
@@ -80,12 +80,15 @@ void addBench(CLI::App&, int& exitCode);
 
 // What the benches share.
 
+/// A case opened: its scene on the device, and where it is seen from.
+struct OpenCase {
+    Session session;
+    scene::Camera camera;
+};
+/// Opens it, and says so on standard output.
+Result<OpenCase> openCase(const BenchCase&, const BenchOptions&);
 /// `scene` as a part of a file name: "a/sponza.glb" → "sponza", "builtin:columns" → "columns".
 std::string sceneSlug(const std::string& scene);
-/// PSNR, SSIM (NaN for pictures too small for it) and FLIP.
-QualityFigures qualityOf(const quality::RgbImage& reference, const quality::RgbImage& test);
-/// An error when the validation layers had anything to say.
-Result<void> validationVerdict(const gpu::Device&);
 /// JSON has no infinity and no NaN: both become null.
 Json finiteOrNull(double);
 /// The number under `key`, +infinity for null.

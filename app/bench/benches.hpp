@@ -8,6 +8,8 @@ namespace lodestar::app {
 
 /// Cost and quality of shading at r = 1 … 4, and of attributes from visibility or a G-buffer.
 Bench shadingRateBench();
+/// The scenes of Yang et al. 2008, Figures 2 to 4.
+Bench framebufferLodBench();
 /// How well a budget is held along a camera path.
 Bench budgetHoldBench();
 /// Tables 1 and 2 of the thesis: attributes and shading rebuilt from visibility, against REF.

@@ -5,17 +5,17 @@
 #include <fmt/format.h>
 
 #include "app/bench/benches.hpp"
-#include "app/budget_run.hpp"
+#include "app/bench/published.hpp"
 #include "app/console.hpp"
 #include "app/frame_options.hpp"
 #include "app/image_io.hpp"
+#include "app/judge.hpp"
 #include "app/whole_file.hpp"
 
 namespace lodestar::app {
 namespace {
 
 namespace fs = std::filesystem;
-using budget::median;
 
 constexpr std::size_t kSamples = 8;  // frames of a run that are judged against full quality
 
@@ -38,29 +38,16 @@ std::string traceCsv(const budget::Trace& trace) {
 /// written.
 Result<void> judge(const Session& session, frame::Frame& frame, const Run& run,
                    const fs::path& stem, Json& row, std::vector<fs::path>& files) {
-    std::vector<double> psnr, ssim, flip;
-    quality::RgbImage full;
-    Progress bar("comparing with full quality", run.samples.size());
-    for (const Sample& sample : run.samples) {
-        if (session.gpuScene->animated())
-            session.gpuScene->animate(static_cast<float>(static_cast<double>(sample.index) / 60));
-        frame.render(sample.camera, {});
-        full = readDisplay(*session.device, frame);
-        const QualityFigures q = qualityOf(full, sample.picture);
-        psnr.push_back(q.psnrDb);
-        ssim.push_back(q.ssim);
-        flip.push_back(q.flip);
-        bar.update(psnr.size());
-    }
-    row["quality_frames"] = psnr.size();
-    row["psnr_db"] = finiteOrNull(median(psnr));
-    row["psnr_worst_db"] = finiteOrNull(*std::min_element(psnr.begin(), psnr.end()));
-    row["ssim"] = finiteOrNull(median(ssim));
-    row["flip"] = median(flip);
+    const RunQuality quality = judgeRun(session, frame, run, RunOptions().fps);
+    row["quality_frames"] = quality.frames.size();
+    row["psnr_db"] = finiteOrNull(quality.median.psnrDb);
+    row["psnr_worst_db"] = finiteOrNull(quality.worstPsnrDb);
+    row["ssim"] = finiteOrNull(quality.median.ssim);
+    row["flip"] = quality.median.flip;
     const fs::path test = stem.string() + ".png", reference = stem.string() + ".reference.png";
     files.insert(files.end(), {test, reference});
     if (auto done = writePng(test, run.samples.back().picture); !done) return done;
-    return writePng(reference, full);
+    return writePng(reference, quality.lastReference);
 }
 
 Json rowOf(const BenchCase& what, const BenchOptions& options, const Calibration& calibration,
@@ -91,48 +78,41 @@ Json rowOf(const BenchCase& what, const BenchOptions& options, const Calibration
 }
 
 Result<void> measureScene(const BenchCase& what, const BenchOptions& options, BenchResult& result) {
-    auto session = openSession(what.scene, options.device);
-    if (!session) return tl::unexpected(session.error());
-    ViewOptions view = options.view;
-    view.camera = what.camera;
-    const auto camera = resolveCamera(*session, view);
-    if (!camera) return tl::unexpected(camera.error());
+    auto opened = openCase(what, options);
+    if (!opened) return tl::unexpected(opened.error());
+    const auto& [session, camera] = *opened;
     const auto path = parsePath(what.path);
     if (!path) return tl::unexpected(path.error());
-    fmt::print("{} at {}x{} on {}\n", printable(what.scene), view.size.width, view.size.height,
-               session->device->description().name);
-
-    const scene::Camera start = startOf(*camera, *path);
-    frame::Frame frame(*session->device, *session->gpuScene, options.settings);
+    const scene::Camera start = startOf(camera, *path);
+    frame::Frame frame(*session.device, *session.gpuScene, options.settings);
     const Calibration calibration =
-        calibrate(frame, path->at(start, 0, options.frames), options.rounds);
+        calibrate(frame, path->at(start, 0, options.frames), {.repair = kRepair}, options.rounds);
     const double targetMs = options.budget.targetMs(calibration.fullMs);
     const RunOptions runOptions{.frames = options.frames,
                                 .path = *path,
+                                .levers = {.repair = kRepair},
                                 .targetMs = targetMs,
                                 .calibration = calibration,
                                 .samples = std::min(kSamples, options.frames)};
     Result<void> outcome;
     const Run run = renderRun(
-        *session, frame, start, runOptions, [](std::size_t) { return Result<void>(); }, outcome);
+        session, frame, start, runOptions, [](std::size_t) { return Result<void>(); }, outcome);
     if (!outcome) return outcome;
 
     Json row = rowOf(what, options, calibration, run, targetMs);
     const fs::path stem = options.out / ("budget-hold." + sceneSlug(what.scene));
-    if (auto done = judge(*session, frame, run, stem, row, result.files); !done) return done;
+    if (auto done = judge(session, frame, run, stem, row, result.files); !done) return done;
     const fs::path trace = stem.string() + ".trace.csv";
     result.files.push_back(trace);
     if (auto done = writeWholeFile(trace, traceCsv(run.trace)); !done) return done;
     if (result.rows.empty()) {
-        describeDevice(*session, result.report);
+        describeDevice(session, result.report);
         result.report.passes = summarisePasses(run.costs);
         result.report.frameMs = run.trace.medianMs();
-        result.report.counts = {{"instances_total", session->gpuScene->instanceCount()},
-                                {"clusters_total", session->gpuScene->clusterCount() - 1},
-                                {"triangles_total", session->gpuScene->triangleCount()}};
+        result.report.counts = countsOf(session, frame);
     }
     result.rows.push_back(row);
-    return validationVerdict(*session->device);
+    return validationVerdict(*session.device);
 }
 
 Result<BenchResult> run(const BenchOptions& options) {
@@ -152,10 +132,11 @@ Result<BenchResult> run(const BenchOptions& options) {
             return tl::unexpected(done.error());
     }
     // The paper shows Figure 5 as curves without numbers; these are the limits it states in §3.
-    result.source = Json::array({{{"source", "Yang, Sander, Lawrence 2008, §3 and Figure 5"},
+    const Json& limits = published("yang2008_section3");
+    result.source = Json::array({{{"source", limits.at("source")},
                                   {"method", "yang"},
-                                  {"largest_step_r", 0.2},
-                                  {"least_r", 1.0}}});
+                                  {"largest_step_r", limits.at("largest_step_r")},
+                                  {"least_r", limits.at("least_r")}}});
     return result;
 }
 

@@ -13,10 +13,11 @@
 #include "app/bench/benches.hpp"
 #include "app/bench/depth_edges.hpp"
 #include "app/bench/gbuffer.hpp"
+#include "app/bench/published.hpp"
 #include "app/console.hpp"
 #include "app/frame_options.hpp"
 #include "app/image_io.hpp"
-#include "app/session.hpp"
+#include "app/judge.hpp"
 
 namespace lodestar::app {
 namespace {
@@ -152,23 +153,18 @@ std::vector<Method> makeMethods(frame::Frame& bilinear, frame::Frame& bilateral)
 }
 
 Result<void> measureScene(const BenchCase& what, const BenchOptions& options, BenchResult& result) {
-    auto session = openSession(what.scene, options.device);
-    if (!session) return tl::unexpected(session.error());
-    ViewOptions view = options.view;
-    view.camera = what.camera;
-    const auto camera = resolveCamera(*session, view);
-    if (!camera) return tl::unexpected(camera.error());
-    const gpu::Device& device = *session->device;
-    fmt::print("{} at {}x{} on {}\n", printable(what.scene), view.size.width, view.size.height,
-               device.description().name);
+    auto opened = openCase(what, options);
+    if (!opened) return tl::unexpected(opened.error());
+    const auto& [session, camera] = *opened;
+    const gpu::Device& device = *session.device;
 
     frame::FrameSettings settings = options.settings;
     settings.reconstruct = Reconstruct::bilinear;
-    frame::Frame bilinear(device, *session->gpuScene, settings);
+    frame::Frame bilinear(device, *session.gpuScene, settings);
     settings.reconstruct = Reconstruct::bilateral;
-    frame::Frame bilateral(device, *session->gpuScene, settings);
+    frame::Frame bilateral(device, *session.gpuScene, settings);
     std::vector<Method> methods = makeMethods(bilinear, bilateral);
-    AttributeComparison comparison(device, *session->gpuScene, settings.size);
+    AttributeComparison comparison(device, *session.gpuScene, settings.size);
     AttributeTimes attributes;
 
     Progress bar("measuring",
@@ -176,28 +172,26 @@ Result<void> measureScene(const BenchCase& what, const BenchOptions& options, Be
     std::size_t done = 0;
     for (int round = -kWarmUp; round < options.rounds; ++round) {
         for (Method& method : methods) {
-            method.render(*camera, round >= 0);
+            method.render(camera, round >= 0);
             if (round == -1) method.picture = readDisplay(device, *method.frame);
             bar.update(++done);
         }
-        attributes.measure(comparison, *camera, round >= 0);
+        attributes.measure(comparison, camera, round >= 0);
         bar.update(done += 2);
     }
     bar.erase();
 
     const auto depth = gpu::as<float>(gpu::readImage(device, bilateral.surface().depth));
-    const auto edges = depthEdgeMask(depth, view.size.width, view.size.height);
+    const auto edges = depthEdgeMask(depth, options.view.size.width, options.view.size.height);
     const Method& full = methods.front();
     for (const Method& method : methods)
         result.rows.push_back(shadingRow(method, full, edges, what, options));
     attributes.addRows(result.rows, what, options);
     if (result.report.passes.empty()) {
-        describeDevice(*session, result.report);
+        describeDevice(session, result.report);
         result.report.passes = summarisePasses(full.costs);
         result.report.frameMs = median(full.gpuMs);
-        result.report.counts = {{"instances_total", session->gpuScene->instanceCount()},
-                                {"clusters_total", session->gpuScene->clusterCount() - 1},
-                                {"triangles_total", session->gpuScene->triangleCount()}};
+        result.report.counts = countsOf(session, *full.frame);
     }
     if (auto written = writePictures(methods, edges, what, options, result.files); !written)
         return written;
@@ -206,32 +200,26 @@ Result<void> measureScene(const BenchCase& what, const BenchOptions& options, Be
 
 /// Yang et al. 2008, Figure 2. Speed-ups are ratios of its frame rates.
 Json publishedRows() {
-    struct Published {
-        const char *scene, *method;
-        double r, fps, referenceFps, psnrDb;
-    };
-    constexpr const char* kConventional = "conventional resizing (bilinear)";
-    constexpr const char* kFull = "geometry-aware, full resizing";
-    constexpr const char* kFine = "geometry-aware, fine-grained resizing";
-    const std::vector<Published> printed{{"Car", kConventional, 2.0, 87, 27, 32},
-                                         {"Car", kFull, 2.1, 92, 27, 35},
-                                         {"Car", kFine, 5.0, 252, 27, 42},
-                                         {"Chess", kConventional, 2.0, 9, 3.2, 29},
-                                         {"Chess", kFull, 2.0, 9, 3.2, 31},
-                                         {"Chess", kFine, 3.5, 21, 3.2, 36},
-                                         {"Dragon", kConventional, 2.0, 232, 120, 26},
-                                         {"Dragon", kFull, 2.4, 233, 120, 33},
-                                         {"Dragon", kFine, 4.0, 309, 120, 38}};
+    const Json& figure = published("yang2008_fig2");
+    const std::string source = fmt::format("{} ({})", figure.at("source").get<std::string>(),
+                                           figure.at("hardware").get<std::string>());
     Json rows = Json::array();
-    for (const Published& p : printed)
-        rows.push_back({{"source", "Yang, Sander, Lawrence 2008, Figure 2 (ATI HD 2900 XT)"},
-                        {"scene", p.scene},
-                        {"method", p.method},
-                        {"r", p.r},
-                        {"frame_ms", 1000 / p.fps},
-                        {"full_frame_ms", 1000 / p.referenceFps},
-                        {"speedup", p.fps / p.referenceFps},
-                        {"psnr_db", p.psnrDb}});
+    for (const Json& scene : figure.at("rows"))
+        for (const auto& [key, method] :
+             {std::pair{"conventional", "conventional resizing (bilinear)"},
+              std::pair{"full_resize", "geometry-aware, full resizing"},
+              std::pair{"fine_grained", "geometry-aware, fine-grained resizing"}}) {
+            const Json& printed = scene.at(key);
+            const double fps = printed.at("fps"), fullFps = scene.at("full_fps");
+            rows.push_back({{"source", source},
+                            {"scene", scene.at("scene")},
+                            {"method", method},
+                            {"r", printed.at("r")},
+                            {"frame_ms", 1000 / fps},
+                            {"full_frame_ms", 1000 / fullFps},
+                            {"speedup", fps / fullFps},
+                            {"psnr_db", printed.at("psnr_db")}});
+        }
     return rows;
 }
 

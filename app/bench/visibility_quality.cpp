@@ -15,6 +15,7 @@
 #include "app/capture.hpp"
 #include "app/console.hpp"
 #include "app/image_io.hpp"
+#include "app/judge.hpp"
 
 namespace lodestar::app {
 namespace {

@@ -10,6 +10,7 @@
 #include "app/bench/visibility_cases.hpp"
 #include "app/capture.hpp"
 #include "app/console.hpp"
+#include "app/judge.hpp"
 
 namespace lodestar::app {
 namespace {

@@ -23,13 +23,17 @@ add_library(lodestar STATIC
     visibility/rebuild.cpp
     shading/coarse.cpp
     shading/combine.cpp
+    upsample/repair.cpp
     upsample/upsample.cpp
     post/tonemap.cpp
     frame/capture_frame.cpp
     frame/frame.cpp
+    frame/light_maps.cpp
 )
 add_library(lodestar::lodestar ALIAS lodestar)
-target_link_libraries(lodestar PUBLIC lodestar_cpu Vulkan::Vulkan PRIVATE lodestar_flags)
+target_link_libraries(lodestar
+    PUBLIC lodestar_cpu Vulkan::Vulkan
+    PRIVATE $<BUILD_INTERFACE:lodestar_flags>)
 # vulkan_raii.hpp costs seconds a file; every Vulkan target reuses this one.
 target_precompile_headers(lodestar PRIVATE gpu/vulkan.hpp)
 lodestar_shaders(lodestar
@@ -54,6 +58,9 @@ lodestar_shaders(lodestar
     visibility/resolve.comp
     shading/coarse.comp
     shading/combine.comp
+    shading/repair_terms.comp
+    upsample/repair_compact.comp
+    upsample/repair_cut.comp
     upsample/upsample.comp
     post/tonemap.comp
 )

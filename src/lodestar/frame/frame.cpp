@@ -1,11 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <lodestar/frame/frame.hpp>
 
+#include <algorithm>
+#include <cmath>
+
 #include <glm/gtc/packing.hpp>
 
+#include <lodestar/shading/coarse_params.h>
 #include <lodestar/shading/light_params.h>
+#include <lodestar/upsample/upsample_params.h>
 #include <lodestar/visibility/view_params.h>
 #include <lodestar/gpu/readback.hpp>
+#include <lodestar/post/exposure.hpp>
 
 namespace lodestar::frame {
 namespace {
@@ -38,12 +44,46 @@ gpu::Image makeSkyImage(const gpu::Device& device, const shading::Sky& sky) {
     return image;
 }
 
-/// The scene's first directional light, or the sun of the settings.
+/// The sun: the scene's first directional light, or that of the settings.
+const scene::Light* sunOf(const scene::Scene& scene) {
+    for (const scene::Light& light : scene.lights)
+        if (light.kind == scene::LightKind::directional) return &light;
+    return nullptr;
+}
+
 glm::vec3 sunDirection(const scene::GpuScene& scene, const FrameSettings& settings) {
-    for (const scene::Light& light : scene.scene().lights)
-        if (light.kind == scene::LightKind::directional)
-            return glm::normalize(glm::vec3(scene.nodeTransforms()[light.node][2]));
+    if (const scene::Light* light = sunOf(scene.scene()))
+        return glm::normalize(glm::vec3(scene.nodeTransforms()[light->node][2]));
     return glm::normalize(settings.toSun);
+}
+
+/// Terms that share a grid S.
+struct RateGroup {
+    float rate;
+    shading::Coarse::Mask terms;
+};
+
+/// By rate, the coarsest first.
+std::vector<RateGroup> rateGroups(const budget::Levers& levers) {
+    std::vector<RateGroup> groups;
+    for (std::size_t i = 0; i < budget::kTerms; ++i) {
+        const float rate = levers.rate(budget::Term(i));
+        const shading::Coarse::Mask bit = 1u << i;
+        const auto same = std::find_if(groups.begin(), groups.end(), [&](const RateGroup& group) {
+            return std::abs(group.rate - rate) < 1e-3f;
+        });
+        if (same != groups.end())
+            same->terms |= bit;
+        else
+            groups.push_back({rate, bit});
+    }
+    std::sort(groups.begin(), groups.end(),
+              [](const RateGroup& a, const RateGroup& b) { return a.rate > b.rate; });
+    return groups;
+}
+
+float luminance(glm::vec3 color) {
+    return glm::dot(color, glm::vec3(0.2126f, 0.7152f, 0.0722f));
 }
 
 const FrameSettings& checked(const FrameSettings& s) {
@@ -52,6 +92,17 @@ const FrameSettings& checked(const FrameSettings& s) {
     if (s.shadowTaps > 32) throw std::invalid_argument("FrameSettings::shadowTaps must be ≤ 32");
     if (s.shadowMapSize < 16 || s.shadowMapSize > 16384)
         throw std::invalid_argument("FrameSettings::shadowMapSize must be 16 … 16384");
+    if (s.noiseOctaves > 12)
+        throw std::invalid_argument("FrameSettings::noiseOctaves must be ≤ 12");
+    if (!(s.noiseScale >= 0)) throw std::invalid_argument("FrameSettings::noiseScale must be ≥ 0");
+    if (!(s.exposure >= 0) || std::isinf(s.exposure))
+        throw std::invalid_argument("FrameSettings::exposure must be ≥ 0");
+    if (s.skyViews > shared::LS_MAX_SKY_VIEWS)
+        throw std::invalid_argument("FrameSettings::skyViews must be ≤ 16");
+    if (s.skyTaps < 1 || s.skyTaps > 32)
+        throw std::invalid_argument("FrameSettings::skyTaps must be 1 … 32");
+    if (s.skyMapSize < 16 || s.skyMapSize > 4096)
+        throw std::invalid_argument("FrameSettings::skyMapSize must be 16 … 4096");
     return s;
 }
 
@@ -62,26 +113,31 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       scene(&gpuScene),
       options(checked(s)),
       sky(sunDirection(gpuScene, s)),
+      irradiance(sky.irradiance()),
       aspect(s.aspect > 0 ? s.aspect
                           : static_cast<float>(s.size.width) / static_cast<float>(s.size.height)),
       cull(owner),
       capture(owner, gpuScene.features()),
-      shadowCapture(owner, gpuScene.features(), visibility::CaptureSs::Writes::depthOnly),
       rebuildPass(owner, gpuScene.features()),
       coarse(owner),
       upsample(owner, s.reconstruct),
+      repairSelect(owner),
       combine(owner, gpuScene.features()),
       tonemap(owner),
       eyeList(owner, gpuScene, "eye"),
-      sunList(owner, gpuScene, "sun"),
+      lightMaps(owner, gpuScene, sky,
+                {.sunTexels = s.shadowMapSize,
+                 .skyTexels = s.skyMapSize,
+                 .skyViews = s.skyViews,
+                 .shadows = s.shadowTaps > 0,
+                 .shadowDistance = s.shadowDistance}),
+      repairList(owner, s.size),
       viewBuffer(owner, "view", sizeof(shared::ViewParams), gpu::Residence::mapped),
       lightBuffer(owner, "light", sizeof(shared::LightParams), gpu::Residence::mapped),
       idImage(target(owner, s.size, vk::Format::eR32Uint, "ids",
                      Usage::eColorAttachment | Usage::eStorage)),
       depthBuffer(target(owner, s.size, vk::Format::eD32Sfloat, "depth buffer",
                          Usage::eDepthStencilAttachment)),
-      shadowMap(target(owner, {s.shadowMapSize, s.shadowMapSize}, vk::Format::eD32Sfloat,
-                       "shadow map", Usage::eDepthStencilAttachment)),
       skyImage(makeSkyImage(owner, sky)),
       coarseImage(target(owner, s.size, vk::Format::eR32G32B32A32Uint, "coarse", Usage::eStorage)),
       termImage(target(owner, s.size, vk::Format::eR16G16B16A16Sfloat, "terms", Usage::eStorage)),
@@ -89,11 +145,25 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
           target(owner, s.size, vk::Format::eR16G16B16A16Sfloat, "radiance", Usage::eStorage)),
       displayImage(target(owner, s.size, vk::Format::eR8G8B8A8Unorm, "display", Usage::eStorage)),
       surfaces(owner, s.size),
-      rec(owner) {}
+      rec(owner) {
+    // A sun of the file has the colour it says. Its strength sets what a lux is: the sky is as
+    // bright beside it as beside the real sun, lamps and emissive surfaces as the file has them.
+    sunIlluminance = sky.sunIlluminance();
+    if (const scene::Light* light = sunOf(gpuScene.scene())) {
+        const float lux = luminance(light->color) * light->intensity;
+        perLux = lux > 0 ? shading::Sky::kSunIlluminance / lux : 1;
+        sunIlluminance = light->color * (light->intensity * perLux);
+    }
+}
 
 gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers& levers) {
+    if (options.exposure == 0) {
+        options.exposure = 1;
+        render(camera, {});
+        meter();
+    }
     rec.begin();
-    drawShadowMap(rec, camera);
+    lightMaps.update(rec, *scene, cull, camera, aspect);
     writeUniforms(camera);
 
     // Which triangle does each pixel show?
@@ -109,10 +179,15 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
 
 gpu::FrameTimes Frame::rebuild(const visibility::CompactRecord& from, const scene::Camera& camera,
                                const budget::Levers& levers) {
+    if (options.exposure == 0) {
+        options.exposure = 1;
+        rebuild(from, camera, {});
+        meter();
+    }
     if (!rebuilding || rebuilding->side != from.side)
         rebuilding = Rebuilding{from.side, {*device, from.side}};
     rec.begin();
-    drawShadowMap(rec, camera);
+    lightMaps.update(rec, *scene, cull, camera, aspect);
     writeUniforms(camera);
     rebuilding->expand.record(rec, *scene, from, clipFromWorld(camera), idImage);
     rec.barrier(Stage::compute, Stage::compute);
@@ -121,20 +196,9 @@ gpu::FrameTimes Frame::rebuild(const visibility::CompactRecord& from, const scen
 }
 
 void Frame::shade(const budget::Levers& levers) {
-    // The expensive terms on grid S, and what is exact on grid O.
-    const shading::Coarse::Inputs coarseInputs{idImage, shadowMap, viewBuffer, lightBuffer};
+    // What is exact on grid O, and the expensive terms on grids S.
     rebuildPass.record(rec, *scene, {idImage, viewBuffer}, surfaces);
-    if (levers.shadingRate > 1) {
-        coarse.record(rec, *scene, coarseInputs, levers.shadingRate, coarseImage);
-        rec.barrier(Stage::compute, Stage::compute);
-        upsample.record(
-            rec,
-            {coarseImage, surfaces.depth, surfaces.normal,
-             shading::coarseExtent(options.size, levers.shadingRate), levers.shadingRate},
-            options.sigmas, termImage);
-    } else {
-        coarse.recordFull(rec, *scene, coarseInputs, termImage);
-    }
+    evaluateTerms(levers);
     rec.barrier(Stage::compute, Stage::compute);
 
     combine.record(rec,
@@ -170,6 +234,11 @@ gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
                                           const scene::Camera& camera) {
     if (from.base != options.size)
         throw std::invalid_argument("Frame::rebuildAntialiased: the record has another size");
+    if (options.exposure == 0) {
+        options.exposure = 1;
+        rebuildAntialiased(from, camera);
+        meter();
+    }
     const std::uint32_t pixels = from.base.width * from.base.height;
     if (!smooth || smooth->side != from.side ||
         smooth->set.merges.bytes() < from.lists.buffer().bytes())
@@ -185,7 +254,7 @@ gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
     }
 
     rec.begin();
-    drawShadowMap(rec, camera);
+    lightMaps.update(rec, *scene, cull, camera, aspect);
     writeUniforms(camera);
     auto& set = smooth->set;
     smooth->fragments.recordWrite(rec, *scene, from, clipFromWorld(camera), camera.eye, set);
@@ -194,7 +263,10 @@ gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
                              const visibility::Surface& surface, const gpu::View& terms,
                              const gpu::View& radiance) {
         rebuildPass.record(rec, *scene, {ids, viewBuffer, points, options.size}, surface);
-        coarse.recordFull(rec, *scene, {ids, shadowMap, viewBuffer, lightBuffer, points}, terms);
+        coarse.recordFull(
+            rec, *scene,
+            {ids, lightMaps.sunMap(), lightMaps.skyMaps(), viewBuffer, lightBuffer, points},
+            shared::LS_ALL_TERMS, terms);
         rec.barrier(Stage::compute, Stage::compute);
         combine.record(rec,
                        {viewBuffer, lightBuffer, surface.depth, surface.material, surface.emissive,
@@ -221,28 +293,54 @@ gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
     return times;
 }
 
-void Frame::drawShadowMap(gpu::Recorder& r, const scene::Camera& camera) {
-    const scene::Bounds& bounds = scene->bounds();
-    const float toScene = bounds.empty() ? 1 : glm::distance(camera.eye, bounds.centre());
-    // To the far side of the scene, wherever in it the eye is.
-    const float distance =
-        options.shadowDistance > 0 ? options.shadowDistance : toScene + bounds.radius();
-    const shading::SunView now =
-        shading::fitSun(sky.toSun(), bounds, camera, aspect, distance, options.shadowMapSize);
-    if (options.shadowTaps == 0 || (now == sun && shadowVersion == scene->version())) return;
-    sun = now;
-    shadowVersion = scene->version();
+void Frame::evaluateTerms(const budget::Levers& levers) {
+    const shading::Coarse::Inputs inputs{idImage, lightMaps.sunMap(), lightMaps.skyMaps(),
+                                         viewBuffer, lightBuffer};
+    const bool repairing = levers.repair > 0;
+    if (repairing) upsample::RepairSelect::clear(rec, repairList);
+    shading::Coarse::Mask written = 0, toRepair = 0;
+    for (const RateGroup& group : rateGroups(levers)) {
+        // The first group fills the image, the others replace their channels.
+        const auto mask = written == 0 ? shading::Coarse::Mask(shared::LS_ALL_TERMS) : group.terms;
+        if (written != 0) rec.barrier(Stage::compute, Stage::compute);
+        written |= group.terms;
+        if (group.rate == 1) {
+            coarse.recordFull(rec, *scene, inputs, mask, termImage);
+            continue;
+        }
+        // The coarsest grid misses most: it says which pixels are repaired, for all the terms.
+        const bool lists = repairing && toRepair == 0;
+        toRepair |= group.terms;
+        coarse.record(rec, *scene, inputs, group.terms, group.rate, coarseImage);
+        rec.barrier(Stage::compute, Stage::compute);
+        upsample.record(rec,
+                        {coarseImage, surfaces.depth, surfaces.normal,
+                         shading::coarseExtent(options.size, group.rate), group.rate},
+                        options.sigmas, termImage,
+                        {.channels = mask,
+                         .repair = lists ? &repairList : nullptr,
+                         .leastWeight = options.leastWeight});
+    }
+    listHolds = repairing && toRepair != 0;
+    if (!listHolds) return;
+    rec.barrier(Stage::compute, Stage::compute);
+    repairSelect.record(rec, repairList, levers.repair);
+    coarse.recordRepair(rec, *scene, inputs, toRepair, repairList, termImage);
+}
 
-    cull.record(r, *scene,
-                {.clipFromWorld = sun.clipFromWorld,
-                 .size = shadowMap.extent(),
-                 .perspective = false,
-                 .keepBeforeNear = true},
-                sunList);
-    r.barrier(Stage::compute, Stage::raster);
-    r.barrier(Stage::compute, Stage::indirect);
-    shadowCapture.record(r, *scene, sunList, sun.clipFromWorld, {{}, shadowMap}, "shadow map");
-    r.barrier(Stage::raster, Stage::compute);
+std::uint32_t Frame::repairedPixels() const {
+    if (!listHolds) return 0;
+    return gpu::as<shared::RepairHeader>(
+               gpu::readBuffer(*device, repairList.header, sizeof(shared::RepairHeader)))
+        .front()
+        .kept;
+}
+
+void Frame::meter() {
+    std::vector<glm::vec4> texels;
+    for (const auto bits : gpu::as<std::uint64_t>(gpu::readImage(*device, radianceImage)))
+        texels.push_back(glm::unpackHalf4x16(bits));
+    options.exposure = post::meteredExposure(texels);
 }
 
 void Frame::writeUniforms(const scene::Camera& camera) {
@@ -253,22 +351,23 @@ void Frame::writeUniforms(const scene::Camera& camera) {
         .eye = camera.eye,
         .clipScale = {clipFromView[0][0], clipFromView[1][1]}};
 
+    const float cell =
+        options.noiseScale > 0 ? options.noiseScale : std::max(scene->bounds().radius() / 8, 1e-6f);
     shared::LightParams light{.toSun = sky.toSun(),
-                              .sunIlluminance = sky.sunIlluminance(),
-                              .shadowFromWorld = sun.shadowFromWorld,
-                              .shadowRight = sun.right,
-                              .shadowUp = sun.up,
-                              .shadowTexel = sun.texel,
-                              .shadowDepthScale = sun.depthScale,
+                              .sunIlluminance = sunIlluminance,
                               .shadowTaps = options.shadowTaps,
+                              .skyViewCount = options.skyViews,
+                              .skyTaps = options.skyTaps,
+                              .noiseOctaves = options.noiseOctaves,
+                              .noiseFrequency = 1 / cell,
                               .lightCount = scene->lightCount(),
                               .skyLevels = shading::SkyMap::kLevels,
-                              .exposure = options.exposure};
-    const auto irradiance = sky.irradiance();
+                              .exposure = options.exposure,
+                              .perLux = perLux};
     std::copy(irradiance.begin(), irradiance.end(), light.irradiance);
-    light.irradianceSlope[0] = irradiance[3];
-    light.irradianceSlope[1] = irradiance[1];
-    light.irradianceSlope[2] = irradiance[2];
+    light.views[0] = lightMaps.sun().params();
+    std::transform(lightMaps.sky().begin(), lightMaps.sky().end(), light.views + 1,
+                   [](const shading::LightView& view) { return view.params(); });
     *lightBuffer.mapped<shared::LightParams>() = light;
 }
 

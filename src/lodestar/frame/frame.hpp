@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <optional>
 
 #include <lodestar/budget/levers.hpp>
+#include <lodestar/frame/light_maps.hpp>
 #include <lodestar/geometry/cull.hpp>
 #include <lodestar/post/tonemap.hpp>
 #include <lodestar/scene/camera.hpp>
 #include <lodestar/shading/coarse.hpp>
 #include <lodestar/shading/combine.hpp>
 #include <lodestar/shading/sky.hpp>
-#include <lodestar/shading/sun_shadow.hpp>
 #include <lodestar/upsample/upsample.hpp>
 #include <lodestar/visibility/capture_ss.hpp>
 #include <lodestar/visibility/expand.hpp>
@@ -26,8 +27,14 @@ struct FrameSettings {
     std::uint32_t shadowTaps = 9;        ///< N of the N×N PCF; 0 = no shadow
     std::uint32_t shadowMapSize = 2048;  ///< texels a side
     float shadowDistance = 0;            ///< how far shadows are drawn [scene units]; 0 = chosen
-    float exposure = 1;
-    float aspect = 0;  ///< width / height that the picture shows; 0 = that of `size`
+    std::uint32_t skyViews = 16;         ///< directions of ambient occlusion; 0 = none
+    std::uint32_t skyTaps = 2;           ///< N of the N×N PCF of each
+    std::uint32_t skyMapSize = 512;      ///< texels a side of each
+    std::uint32_t noiseOctaves = 0;      ///< of the pattern on all surfaces; 0 = none, at most 12
+    float noiseScale = 0;      ///< cells of its first octave [scene units]; 0 = 1/8 of the scene
+    float leastWeight = 0.1f;  ///< pixels reconstructed from less may be repaired
+    float exposure = 1;        ///< 0: metered on the first frame, and kept
+    float aspect = 0;          ///< width / height that the picture shows; 0 = that of `size`
     upsample::Reconstruct reconstruct = upsample::Reconstruct::bilateral;
     upsample::Sigmas sigmas;
 };
@@ -56,14 +63,19 @@ public:
     const gpu::Image& radiance() const { return radianceImage; }
     const gpu::Image& ids() const { return idImage; }
     const visibility::Surface& surface() const { return surfaces; }
-    /// RGBA16_SFLOAT: sky irradiance rgb, share of the sun seen.
+    /// RGBA16_SFLOAT: share of the sun seen, share of the sky seen.
     const gpu::Image& terms() const { return termImage; }
+    /// Pixels of the last frame whose coarse terms were evaluated anew. Waits for the device.
+    std::uint32_t repairedPixels() const;
     const geometry::DrawList& drawList() const { return eyeList; }
+    /// As given; the exposure as in use.
     const FrameSettings& settings() const { return options; }
 
 private:
-    void drawShadowMap(gpu::Recorder&, const scene::Camera&);
     void shade(const budget::Levers&);
+    void evaluateTerms(const budget::Levers&);
+    /// Sets the exposure by the last frame's radiance.
+    void meter();
     glm::mat4 clipFromWorld(const scene::Camera&) const;
 
     /// What rebuilding from records of one rate needs.
@@ -87,24 +99,28 @@ private:
     const scene::GpuScene* scene;
     FrameSettings options;
     shading::Sky sky;
+    std::array<glm::vec3, 9> irradiance;  ///< of the sky
+    glm::vec3 sunIlluminance{0};
+    float perLux = 1;  ///< units of the sky's light in a lux, candela, nit of the scene
     float aspect;
 
     geometry::Cull cull;
-    visibility::CaptureSs capture, shadowCapture;
+    visibility::CaptureSs capture;
     visibility::Rebuild rebuildPass;
     shading::Coarse coarse;
     upsample::Upsample upsample;
+    upsample::RepairSelect repairSelect;
     shading::Combine combine;
     post::Tonemap tonemap;
 
-    geometry::DrawList eyeList, sunList;
+    geometry::DrawList eyeList;
+    LightMaps lightMaps;
+    upsample::RepairList repairList;
+    bool listHolds = false;  ///< whether the last frame filled the list
     gpu::Buffer viewBuffer, lightBuffer;
-    gpu::Image idImage, depthBuffer, shadowMap, skyImage, coarseImage, termImage, radianceImage,
-        displayImage;
+    gpu::Image idImage, depthBuffer, skyImage, coarseImage, termImage, radianceImage, displayImage;
     visibility::Surface surfaces;
 
-    shading::SunView sun;
-    std::optional<std::uint64_t> shadowVersion;  ///< of the scene the shadow map was drawn from
     std::optional<Rebuilding> rebuilding;
     std::optional<Smooth> smooth;
     gpu::Recorder rec;

@@ -69,6 +69,18 @@ Image::Image(const Device& owner, const ImageInfo& info) : device(&owner) {
     allLevels = viewOf(0, info.levels);
     if (info.levels > 1)
         for (std::uint32_t l = 0; l < info.levels; ++l) singleLevels.push_back(viewOf(l, 1));
+    if (array && info.usage & vk::ImageUsageFlagBits::eDepthStencilAttachment)
+        for (std::uint32_t l = 0; l < info.layers; ++l) {
+            vk::ImageSubresourceRange part = range;
+            part.baseArrayLayer = l;
+            part.layerCount = 1;
+            singleLayers.emplace_back(owner.vk(),
+                                      vk::ImageViewCreateInfo{.image = *image,
+                                                              .viewType = vk::ImageViewType::e2D,
+                                                              .format = info.format,
+                                                              .subresourceRange = part});
+            owner.name(singleLayers.back(), fmt::format("{} layer {}", info.name, l));
+        }
     whole = {*allLevels, *image, info.format, info.extent, info.layers, info.levels, 0};
 
     owner.runNow([&](const vk::raii::CommandBuffer& commands) {
@@ -95,6 +107,7 @@ Image& Image::operator=(Image&& other) {
     if (*memory) device->release(memory);
     device = other.device;
     singleLevels = std::move(other.singleLevels);
+    singleLayers = std::move(other.singleLayers);
     allLevels = std::move(other.allLevels);
     image = std::move(other.image);
     memory = std::move(other.memory);
@@ -110,6 +123,13 @@ View Image::level(std::uint32_t level) const {
     view.firstLevel = level;
     view.extent = vk::Extent2D{std::max(1u, whole.extent.width >> level),
                                std::max(1u, whole.extent.height >> level)};
+    return view;
+}
+
+View Image::layer(std::uint32_t layer) const {
+    View view = whole;
+    view.view = *singleLayers.at(layer);
+    view.layers = 1;
     return view;
 }
 

@@ -39,6 +39,8 @@ public:
     const View& view() const { return whole; }
     /// One mip level alone, as a storage image needs it.
     View level(std::uint32_t level) const;
+    /// One layer of a depth-attachment array alone, to draw to.
+    View layer(std::uint32_t layer) const;
     operator const View&() const { return whole; }
     vk::Extent2D extent() const { return whole.extent; }
 
@@ -47,7 +49,7 @@ private:
     vk::raii::DeviceMemory memory{nullptr};
     vk::raii::Image image{nullptr};
     vk::raii::ImageView allLevels{nullptr};
-    std::vector<vk::raii::ImageView> singleLevels;
+    std::vector<vk::raii::ImageView> singleLevels, singleLayers;
     View whole;
 };
 

@@ -3,16 +3,14 @@
 
 #include <algorithm>
 #include <cctype>
-#include <climits>
 #include <fstream>
-#include <memory>
 #include <system_error>
 #include <vector>
 
 #include <assimp/scene.h>
 #include <fmt/format.h>
-#include <stb_image.h>
 
+#include <lodestar/scene/decode_image.hpp>
 #include <lodestar/scene/mipmaps.hpp>
 
 namespace lodestar::scene {
@@ -20,14 +18,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kMaxSide = 16384;  // Vulkan's usual limit
-constexpr std::int64_t kMaxTexels = std::int64_t(64) << 20;
 constexpr std::uintmax_t kMaxFileBytes = 512u << 20;
-
-bool sizeAllowed(std::int64_t width, std::int64_t height) {
-    return width > 0 && height > 0 && width <= kMaxSide && height <= kMaxSide &&
-           width * height <= kMaxTexels;
-}
 
 std::string lower(std::string text) {
     std::ranges::transform(text, text.begin(),
@@ -74,7 +65,8 @@ Result<Image> decodeEmbedded(const std::string& name, const aiTexture& texture) 
     if (texture.mHeight == 0)
         return decodeImage(name,
                            {reinterpret_cast<const std::uint8_t*>(texture.pcData), texture.mWidth});
-    if (!sizeAllowed(texture.mWidth, texture.mHeight)) return fail("is too large");
+    if (const auto allowed = checkImageSize(texture.mWidth, texture.mHeight); !allowed)
+        return tl::unexpected(allowed.error());
     Image image{name, static_cast<int>(texture.mWidth), static_cast<int>(texture.mHeight), {}};
     const std::size_t texels = std::size_t(texture.mWidth) * texture.mHeight;
     image.rgba.reserve(4 * texels);
@@ -103,24 +95,6 @@ std::vector<std::uint8_t> scalars(const Image& image, int width, int height) {
 }
 
 }  // namespace
-
-Result<Image> decodeImage(std::string name, std::span<const std::uint8_t> bytes) {
-    if (bytes.empty() || bytes.size() > INT_MAX) return fail("is empty or too large");
-    const int size = static_cast<int>(bytes.size());
-    int width = 0, height = 0, channels = 0;
-    if (!stbi_info_from_memory(bytes.data(), size, &width, &height, &channels))
-        return fail("is not an image this program can decode; convert it to PNG");
-    if (!sizeAllowed(width, height))
-        return fail(fmt::format("is too large ({} x {}); the limit is {} a side and 64 Mi texels",
-                                width, height, kMaxSide));
-    const std::unique_ptr<stbi_uc, void (*)(void*)> pixels(
-        stbi_load_from_memory(bytes.data(), size, &width, &height, &channels, 4), stbi_image_free);
-    if (!pixels || !sizeAllowed(width, height))
-        return fail(fmt::format("cannot be decoded ({})",
-                                stbi_failure_reason() ? stbi_failure_reason() : "damaged"));
-    const std::size_t count = std::size_t(width) * std::size_t(height) * 4;
-    return Image{std::move(name), width, height, {pixels.get(), pixels.get() + count}};
-}
 
 Result<Image> AssimpImages::read(const std::string& reference) const {
     if (const aiTexture* embedded = from.GetEmbeddedTexture(reference.c_str()))

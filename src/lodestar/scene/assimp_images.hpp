@@ -5,7 +5,6 @@
 #include <filesystem>
 #include <map>
 #include <optional>
-#include <span>
 #include <string>
 #include <tuple>
 
@@ -16,9 +15,6 @@ struct aiScene;
 struct aiTexture;
 
 namespace lodestar::scene {
-
-/// Decodes a PNG, JPEG, TGA, BMP, … of at most 16384 × 16384 and 64 Mi texels to RGBA.
-Result<Image> decodeImage(std::string name, std::span<const std::uint8_t> bytes);
 
 /// The images that an assimp scene names: embedded ones, and files beside the model. Each is read
 /// once. One that is missing or unreadable becomes a note, and its use is dropped: many models

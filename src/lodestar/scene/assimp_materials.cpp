@@ -157,8 +157,10 @@ private:
     }
 
     void transparency() {
-        if (const auto opacity = number(from, "$mat.opacity"); opacity && *opacity < 1) {
-            material.baseColor.a = std::max(*opacity, 0.0f);
+        // 0 is what exporters write that mean the opposite: nobody models what is never seen.
+        const float opacity = number(from, "$mat.opacity").value_or(1);
+        if (opacity > 0 && opacity < 1) {
+            material.baseColor.a = opacity;
             material.alphaMode = AlphaMode::blend;
         }
         if (color0 && color0->usesAlpha) material.alphaMode = AlphaMode::mask;
@@ -202,6 +204,10 @@ private:
         if (emissive) {
             material.emissiveTexture = use(*emissive, ColorSpace::srgb);
             if (material.emissive == glm::vec3(0)) material.emissive = glm::vec3(1);
+        } else if (from.GetTextureCount(aiTextureType_EMISSIVE) +
+                       from.GetTextureCount(aiTextureType_EMISSION_COLOR) >
+                   0) {
+            material.emissive = glm::vec3(0);  // without its image, all of the surface would glow
         }
         if (const auto strength = number(from, "$mat.emissiveIntensity"))
             material.emissive *= std::clamp(*strength, 0.0f, 1e4f);

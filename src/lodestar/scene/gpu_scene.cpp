@@ -62,8 +62,11 @@ GpuTextureTransform packTransform(const TextureUse& use) {
     return {.uRow = {m[0][0], m[1][0], m[2][0], 0}, .vRow = {m[0][1], m[1][1], m[2][1], 0}};
 }
 
+// Blended surfaces are drawn as masked ones until there is a pass for them. A little below one
+// half, so that rounding does not riddle those that are half opaque all over.
+constexpr float kBlendCutoff = 0.5f - 1.0f / 512;
+
 GpuMaterialRecord pack(const Material& m, const Scene& scene, const TextureArrays& arrays) {
-    // Blended surfaces are drawn as masked ones at 0.5 until there is a pass for them.
     const bool masked = m.alphaMode != AlphaMode::opaque;
     return {
         .material = {.baseColor = m.baseColor,
@@ -80,7 +83,7 @@ GpuMaterialRecord pack(const Material& m, const Scene& scene, const TextureArray
                      .metallicRoughnessTexture = packUse(m.metallicRoughnessTexture, scene, arrays),
                      .occlusionTexture = packUse(m.occlusionTexture, scene, arrays),
                      .emissiveTexture = packUse(m.emissiveTexture, scene, arrays),
-                     .alphaCutoff = m.alphaMode == AlphaMode::blend ? 0.5f : m.alphaCutoff},
+                     .alphaCutoff = m.alphaMode == AlphaMode::blend ? kBlendCutoff : m.alphaCutoff},
         .transforms = {packTransform(m.baseColorTexture), packTransform(m.normalTexture),
                        packTransform(m.metallicRoughnessTexture), packTransform(m.occlusionTexture),
                        packTransform(m.emissiveTexture)}};

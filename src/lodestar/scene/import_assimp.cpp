@@ -98,7 +98,9 @@ Vertex vertexAt(const aiMesh& mesh, unsigned i) {
         normalizedOr(mesh.HasNormals() ? toGlm(mesh.mNormals[i]) : glm::vec3(0), {0, 1, 0});
     vertex.tangent = tangentAt(mesh, i, vertex.normal);
     vertex.uv0 = uvAt(mesh, 0, i);
-    vertex.uv1 = uvAt(mesh, 1, i);
+    // Formats number their sets as they like and assimp closes the gaps, so a material may name a
+    // second set where the mesh has but one.
+    vertex.uv1 = mesh.HasTextureCoords(1) ? uvAt(mesh, 1, i) : vertex.uv0;
     if (mesh.HasVertexColors(0)) {
         const aiColor4D& c = mesh.mColors[0][i];
         vertex.color = {linearFromSrgb(c.r), linearFromSrgb(c.g), linearFromSrgb(c.b),
@@ -106,6 +108,23 @@ Vertex vertexAt(const aiMesh& mesh, unsigned i) {
         if (!finite(vertex.color) || !std::isfinite(vertex.color.a)) vertex.color = glm::vec4(1);
     }
     return vertex;
+}
+
+/// Some files wind their triangles against their own normals. What is seen goes by the winding, so
+/// the normals turn around where most of the surface disagrees with them.
+void turnNormalsToWinding(Mesh& mesh) {
+    double agreement = 0;
+    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+        const Vertex &a = mesh.vertices[mesh.indices[i]], &b = mesh.vertices[mesh.indices[i + 1]],
+                     &c = mesh.vertices[mesh.indices[i + 2]];
+        const glm::dvec3 edge1 = b.position - a.position, edge2 = c.position - a.position;
+        agreement += glm::dot(glm::cross(edge1, edge2), glm::dvec3(a.normal + b.normal + c.normal));
+    }
+    if (agreement >= 0) return;
+    for (Vertex& vertex : mesh.vertices) {
+        vertex.normal = -vertex.normal;
+        vertex.tangent.w = -vertex.tangent.w;  // the bitangent stays
+    }
 }
 
 Mesh convertMesh(const aiMesh& from) {
@@ -122,6 +141,7 @@ Mesh convertMesh(const aiMesh& from) {
             mesh.bounds.add(mesh.vertices[face.mIndices[k]].position);
         }
     }
+    turnNormalsToWinding(mesh);
     return mesh;
 }
 
@@ -135,6 +155,36 @@ void checkPositions(const aiMesh& mesh) {
             throw Refusal(fmt::format("mesh '{}': the position of vertex {} is beyond {:g}",
                                       mesh.mName.C_Str(), i, kMaxCoordinate));
     }
+}
+
+template <typename T>
+void gather(T*& values, const std::vector<unsigned>& from) {
+    if (values == nullptr) return;
+    T* gathered = new T[from.size()];
+    for (std::size_t i = 0; i < from.size(); ++i) gathered[i] = values[from[i]];
+    delete[] values;
+    values = gathered;
+}
+
+/// Gives every corner a vertex of its own, as assimp's steps expect but not all of its importers
+/// do: where corners share a vertex, its generated normal smooths any edge, however sharp. Meshes
+/// that have normals, bones or morph targets stay as they are.
+void unshareVertices(aiMesh& mesh) {
+    if (mesh.HasNormals() || mesh.HasBones() || mesh.mNumAnimMeshes > 0) return;
+    std::vector<unsigned> from;
+    for (unsigned f = 0; f < mesh.mNumFaces; ++f) {
+        aiFace& face = mesh.mFaces[f];
+        for (unsigned k = 0; k < face.mNumIndices; ++k) {
+            from.push_back(face.mIndices[k]);
+            face.mIndices[k] = static_cast<unsigned>(from.size() - 1);
+        }
+    }
+    gather(mesh.mVertices, from);
+    gather(mesh.mTangents, from);
+    gather(mesh.mBitangents, from);
+    for (aiColor4D*& colors : mesh.mColors) gather(colors, from);
+    for (aiVector3D*& uvs : mesh.mTextureCoords) gather(uvs, from);
+    mesh.mNumVertices = static_cast<unsigned>(from.size());
 }
 
 /// Checks what an importer made, before the steps that work on it: those trust it, and Debian
@@ -165,6 +215,7 @@ void prepare(aiMesh& mesh) {
     mesh.mNumFaces = kept;
     mesh.mPrimitiveTypes = types;
     if (kept == 0) throw Refusal(fmt::format("mesh '{}' has no faces", mesh.mName.C_Str()));
+    unshareVertices(mesh);
 }
 
 class Import {
@@ -236,6 +287,11 @@ private:
     }
 
     void notes() {
+        const auto blended = std::ranges::count(scene.materials, AlphaMode::blend,
+                                                [](const Material& m) { return m.alphaMode; });
+        if (blended > 0)
+            scene.notes.push_back(
+                fmt::format("{} alpha-blend materials: drawn as mask at 0.5 for now", blended));
         if (skinned > 0)
             scene.notes.push_back(fmt::format("{} skinned meshes: shown in rest pose", skinned));
         if (from.mNumAnimations > 0)

@@ -3,41 +3,50 @@
 
 #include <optional>
 
+#include <lodestar/shading/coarse_params.h>
 #include <lodestar/gpu/recorder.hpp>
 #include <lodestar/scene/gpu_scene.hpp>
+#include <lodestar/upsample/repair.hpp>
 
 namespace lodestar::shading {
 
 /// Size of grid S: ⌈W/r⌉ × ⌈H/r⌉.
 vk::Extent2D coarseExtent(vk::Extent2D full, float rate);
 
-/// The expensive, smooth terms: soft sun shadow and sky irradiance, evaluated on grid S from
-/// visibility (Yang et al. 2008, §2.3, fine-grained resizing).
+/// The expensive, smooth terms: how much of the sun (soft shadow) and of the sky (ambient
+/// occlusion) a surface sees, and its procedural noise, evaluated on grid S from visibility (Yang
+/// et al. 2008, §2.3, fine-grained resizing).
 class Coarse {
 public:
     explicit Coarse(const gpu::Device&);
 
     struct Inputs {
         gpu::View ids;             ///< grid O, R32_UINT: triangle ids
-        gpu::View shadowMap;       ///< D32_SFLOAT, reversed
+        gpu::View sunMap;          ///< D32_SFLOAT array of one layer, reversed
+        gpu::View skyMaps;         ///< D32_SFLOAT array, a layer for each view of the sky
         const gpu::Buffer& view;   ///< shared::ViewParams
         const gpu::Buffer& light;  ///< shared::LightParams
         /// RG32_SFLOAT, of the extent of `ids`, for recordFull: where each is met, in NDC; none: at
         /// the centres of pixels
         std::optional<gpu::View> points = {};
     };
+    /// Which of the terms: bits LS_TERM_…
+    using Mask = std::uint32_t;
+
     /// Writes the part of `coarse` (RGBA32_UINT) that coarseExtent(ids, rate) names.
-    void record(gpu::Recorder&, const scene::GpuScene&, const Inputs&, float rate,
+    void record(gpu::Recorder&, const scene::GpuScene&, const Inputs&, Mask, float rate,
                 gpu::View coarse) const;
     /// r = 1: writes the terms of every pixel of O to `terms` (RGBA16_SFLOAT), nothing to upsample.
-    void recordFull(gpu::Recorder&, const scene::GpuScene&, const Inputs&, gpu::View terms) const;
+    /// Channels that the mask lacks keep what they hold; all are written for LS_ALL_TERMS.
+    void recordFull(gpu::Recorder&, const scene::GpuScene&, const Inputs&, Mask,
+                    gpu::View terms) const;
+    /// Writes the terms of the pixels that `list` keeps, the same way. Pass "repair".
+    void recordRepair(gpu::Recorder&, const scene::GpuScene&, const Inputs&, Mask,
+                      const upsample::RepairList& list, gpu::View terms) const;
 
 private:
-    void recordWith(gpu::Recorder&, const gpu::Kernel&, const scene::GpuScene&, const Inputs&,
-                    float rate, gpu::View out) const;
-
     vk::raii::Sampler pointSampler;
-    gpu::Kernel coarseKernel, fullKernel, pointKernel;
+    gpu::Kernel coarse, full, fullMerge, fullPoints, repair;
 };
 
 }  // namespace lodestar::shading

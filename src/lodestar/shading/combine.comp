@@ -17,7 +17,7 @@ layout(binding = 1, scalar) uniform Light { LightParams light; };
 layout(binding = 2) uniform sampler2D surfaceDepth;
 layout(binding = 3) uniform usampler2D surfaceMaterial;
 layout(binding = 4) uniform sampler2D surfaceEmissive;
-layout(binding = 5) uniform sampler2D terms;  // sky irradiance rgb, sun visibility
+layout(binding = 5) uniform sampler2D terms;  // visibility of sun and sky, pattern
 layout(binding = 6) uniform sampler2D sky;
 layout(binding = 7, scalar) readonly buffer Lights { GpuLight lights[]; };
 layout(binding = 8, rgba16f) writeonly uniform image2D outRadiance;
@@ -26,11 +26,19 @@ layout(binding = 9) uniform sampler2D points;  // NDC
 layout(constant_id = 2) const uint kPunctualLights = 1;
 layout(constant_id = 3) const uint kPoints = 0;  // 1: at `points`, not at the centres of pixels
 
+// Share of the sky's light that comes from where the sky is hidden: the albedo of walls that see
+// the sky themselves.
+const float kBounced = 0.3;
 const float kSunCosine = 0.99996;  // half of its half-degree disc
 
 vec3 sunDisc(vec3 direction) {
     const float disc = smoothstep(kSunCosine - 2e-5, kSunCosine, dot(direction, light.toSun));
     return disc * 40 * light.sunIlluminance;
+}
+
+/// What the procedural pattern does to the albedo.
+float veins(float pattern) {
+    return light.noiseOctaves == 0 ? 1 : mix(0.15, 1.0, smoothstep(0.3, 0.7, pattern));
 }
 
 /// Unshadowed point and spot lights, with the falloff of KHR_lights_punctual.
@@ -69,7 +77,10 @@ void main() {
     const uvec4 material = texelFetch(surfaceMaterial, pixel, 0);
     const vec4 albedo = unpackUnorm4x8(material.x);  // a: occlusion
     const vec2 roughMetal = unpackUnorm4x8(material.y).xy;
-    const Surface s = makeSurface(albedo.rgb * albedo.rgb, roughMetal.x, roughMetal.y,
+    const vec3 term = texelFetch(terms, pixel, 0).xyz;
+    const vec2 visible = term.xy;
+    const vec3 base = albedo.rgb * albedo.rgb * veins(term.z);
+    const Surface s = makeSurface(base, roughMetal.x, roughMetal.y,
                                   unpackNormal(material.z), -direction);
 
     // The sky is looked up once: past the surfaces, or mirrored in one.
@@ -82,20 +93,15 @@ void main() {
         return;
     }
 
-    // The sky's irradiance was taken at the smooth vertex normal; what the normal map bends it by
-    // is its first-order change.
-    const vec4 term = texelFetch(terms, pixel, 0);
-    const vec3 bend = s.normal - unpackNormal(material.w);
-    const vec3 ambient =
-        max(term.rgb + light.irradianceSlope[0] * bend.x + light.irradianceSlope[1] * bend.y +
-                light.irradianceSlope[2] * bend.z,
-            vec3(0));
-    vec3 radiance = reflected(s, light.toSun) * light.sunIlluminance * term.a;
+    // Where the sky is hidden, what hides it sends back some of the light it gets.
+    const float fromSky = albedo.a * mix(kBounced, 1, visible.y);
     const vec3 mirrored = environmentReflectance(s);
-    radiance += (1 - mirrored) * s.diffuse * ambient * (albedo.a / 3.14159265);
-    radiance += seen * mirrored * albedo.a;
-    if (kPunctualLights != 0) radiance += punctual(s, view.eye + ray * depth);
-    if (kEmissive != 0) radiance += texelFetch(surfaceEmissive, pixel, 0).rgb;
+    vec3 radiance = reflected(s, light.toSun) * light.sunIlluminance * visible.x;
+    radiance += (1 - mirrored) * s.diffuse * skyIrradiance(light.irradiance, s.normal) *
+                (fromSky / 3.14159265);
+    radiance += seen * mirrored * fromSky;
+    if (kPunctualLights != 0) radiance += light.perLux * punctual(s, view.eye + ray * depth);
+    if (kEmissive != 0) radiance += light.perLux * texelFetch(surfaceEmissive, pixel, 0).rgb;
     // Unlit surfaces show the colour they were given: alpha 0 keeps the tone curve off them.
     const bool unlit = kUnlit != 0 && (material.y >> 16 & LS_MATERIAL_UNLIT) != 0;
     if (unlit) radiance = albedo.rgb * albedo.rgb / light.exposure;

@@ -14,7 +14,6 @@ namespace {
 using glm::vec3;
 
 constexpr float kPi = 3.14159265f;
-constexpr float kSunTarget = 3.5f;
 
 // Earth's atmosphere, lengths in km.
 constexpr float kPlanet = 6360, kTop = 6420;
@@ -83,7 +82,7 @@ Sky::Sky(vec3 toSun) : sunDirection(glm::normalize(toSun)) {
     const vec3 through =
         transmittance(kEye, sunDirection, exitDistance(kEye, sunDirection), 32) * float(up);
     const float luminance = glm::dot(through, vec3(0.2126f, 0.7152f, 0.0722f));
-    brightness = up ? kSunTarget / std::max(luminance, 0.05f) : kSunTarget;
+    brightness = up ? kSunIlluminance / std::max(luminance, 0.05f) : kSunIlluminance;
     sunOnGround = through * brightness;
 
     vec3 fromSky{0};

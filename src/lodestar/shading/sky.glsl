@@ -4,13 +4,14 @@
 #include "light_params.h"
 #include "../shared/octahedral.h"
 
-/// Irradiance of the sky on a surface facing `n` (Ramamoorthi & Hanrahan 2001).
-vec3 skyIrradiance(LightParams light, vec3 n) {
-    return max(light.irradiance[0] + light.irradiance[1] * n.y + light.irradiance[2] * n.z +
-                   light.irradiance[3] * n.x + light.irradiance[4] * (n.x * n.y) +
-                   light.irradiance[5] * (n.y * n.z) +
-                   light.irradiance[6] * (3 * n.z * n.z - 1) + light.irradiance[7] * (n.x * n.z) +
-                   light.irradiance[8] * (n.x * n.x - n.y * n.y),
+/// Irradiance of the sky on a surface facing `n`, from LightParams::irradiance (Ramamoorthi &
+/// Hanrahan 2001).
+vec3 skyIrradiance(vec3 sh[9], vec3 n) {
+    return max(sh[0] + sh[1] * n.y + sh[2] * n.z +
+                   sh[3] * n.x + sh[4] * (n.x * n.y) +
+                   sh[5] * (n.y * n.z) +
+                   sh[6] * (3 * n.z * n.z - 1) + sh[7] * (n.x * n.z) +
+                   sh[8] * (n.x * n.x - n.y * n.y),
                vec3(0));
 }
 

@@ -15,8 +15,11 @@ namespace lodestar::shading {
 /// Vulkan.
 class Sky {
 public:
+    static constexpr float kSunIlluminance = 3.5f;  ///< of a surface facing the sun
+
     /// `toSun`: unit, world, y up. Sun and sky are scaled together so that a surface facing the sun
-    /// gets an illuminance of about 3.5 (a white one then sends out a radiance of about 1.1).
+    /// gets about an illuminance of kSunIlluminance (a white one then sends out a radiance of
+    /// about 1.1).
     explicit Sky(glm::vec3 toSun);
 
     glm::vec3 toSun() const { return sunDirection; }
