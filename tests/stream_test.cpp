@@ -151,6 +151,10 @@ TEST(Stream, saysWhatIsWrong) {
     EXPECT_NE(message(with(44, 1u << 20)).find("byte 44"), std::string::npos);
     EXPECT_NE(message(with(84, 0)).find("byte 84"), std::string::npos);
     EXPECT_NE(message(with(32, 5), false).find("pixels coded"), std::string::npos);
+    // A name longer than the file, with no frame after it.
+    Bytes named = with(104, 1000);
+    std::memset(named.data() + 120, 0, 8);
+    EXPECT_NE(message(named, false).find("byte 120"), std::string::npos);
     // A picture that would take gigabytes is refused before anything is allocated.
     Bytes big = with(32, 2048);
     const std::uint32_t height = 2048;

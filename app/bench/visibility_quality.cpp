@@ -222,6 +222,7 @@ Result<void> measureAntialiasing(const VisibilitySubject& subject, const NamedSi
     {
         frame::Frame fine(device, scene, settings);
         fine.render(subject.camera, {});
+        settings.exposure = fine.settings().exposure;  // metered, when it was left to the frame
         expected = averaged(device, fine.radiance(), kSide, settings.exposure);
     }
     settings.size = base;

@@ -52,6 +52,8 @@ std::uint32_t chooseRows(const gpu::Device& device, const scene::GpuScene& scene
         const std::uint64_t row = 8ull * s.base.width * s.side * s.side;
         rows = std::min<std::uint64_t>(rows, limits.maxStorageBufferRange / row);
     }
+    // A recorder takes 128 passes, a band is three.
+    rows = std::max<std::uint64_t>(rows, (s.base.height + 39) / 40);
     // Bands of even height, so that none is a sliver.
     const auto bands = (s.base.height + rows - 1) / rows;
     return static_cast<std::uint32_t>((s.base.height + bands - 1) / bands);

@@ -250,10 +250,10 @@ std::string headerFault(const Header& h, std::size_t fileBytes, const DecodeOpti
         return fmt::format("byte 32: {}x{} pixels are more than fit in memory", h.width, h.height);
     if (h.reserved != 0) return "byte 108: something in the place kept free";
     if (h.nameBytes > kMaxName) return "byte 104: a scene name of over 1023 bytes";
-    if (h.frameBytes !=
-        fileBytes - sizeof h - std::min<std::size_t>(h.nameBytes, fileBytes - sizeof h))
-        return fmt::format("byte 120: {} bytes follow, the header says {}", fileBytes - sizeof h,
-                           h.frameBytes + h.nameBytes);
+    const std::uint64_t rest = fileBytes - sizeof h;
+    if (h.nameBytes > rest || h.frameBytes != rest - h.nameBytes)
+        return fmt::format("byte 120: {} bytes follow, the header says {} and {}", rest,
+                           h.nameBytes, h.frameBytes);
     for (const float f : {h.eye[0], h.eye[1], h.eye[2], h.at[0], h.at[1], h.at[2], h.up[0], h.up[1],
                           h.up[2], h.seconds})
         if (!std::isfinite(f)) return "byte 48: a camera that is not finite";
