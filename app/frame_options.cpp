@@ -123,13 +123,35 @@ std::string nameOf(upsample::Reconstruct kind) {
     return std::string(upsample::kReconstructNames[static_cast<std::size_t>(kind)]);
 }
 
+void addRepairOption(CLI::App& app, float& share) {
+    share = kRepair;
+    app.add_option("--repair", share,
+                   "share of the pixels at most whose coarse terms are evaluated anew, where the "
+                   "coarse grid missed what they show; 0: none")
+        ->type_name("SHARE")
+        ->check(CLI::Range(0.0, 1.0))
+        ->default_str("0.02")
+        ->group(kGroup);
+}
+
+void addLocalRateOption(CLI::App& app, float& spread) {
+    app.add_flag(
+           "--local-rate{" + fmt::format("{}", kLocalRate) + "}", spread,
+           "evaluate only every second texel of the coarse grid where the terms of neighbours "
+           "lie no further apart than this")
+        ->type_name("[=SPREAD]")
+        ->check(CLI::Range(0.0, 1.0))
+        ->group(kGroup);
+}
+
 void addLeverOptions(CLI::App& app, budget::Levers& levers) {
-    levers.repair = kRepair;
     addParsed(
         app, "--shading-rate", levers,
         [&levers](const std::string& text) {
             auto parsed = parseRates(text);
             if (parsed) parsed->repair = levers.repair;
+            if (parsed) parsed->localRate = levers.localRate;
+            if (parsed) parsed->resizeAll = levers.resizeAll;
             return parsed;
         },
         "r of the coarse terms, all of them or one by one as in shadow=4,ao=2; 1 = full quality. "
@@ -137,17 +159,10 @@ void addLeverOptions(CLI::App& app, budget::Levers& levers) {
         ->type_name("R")
         ->default_str("1")
         ->group(kGroup);
+    addRepairOption(app, levers.repair);
+    addLocalRateOption(app, levers.localRate);
     app.add_flag("--full-resize,!--fine-grained", levers.resizeAll,
                  "shade as a whole on the coarse grid, not the expensive terms alone")
-        ->group(kGroup);
-    app.add_option_function<double>(
-           "--repair", [&levers](double share) { levers.repair = static_cast<float>(share); },
-           "share of the pixels at most whose coarse terms are evaluated anew, where the coarse "
-           "grid "
-           "missed what they show; 0: none")
-        ->type_name("SHARE")
-        ->check(CLI::Range(0.0, 1.0))
-        ->default_str("0.02")
         ->group(kGroup);
 }
 
@@ -158,6 +173,7 @@ Json leversJson(const budget::Levers& levers) {
     return {{"shading_rate", levers.shadingRate},
             {"rates", rates},
             {"repair", levers.repair},
+            {"local_rate", levers.localRate},
             {"full_resize", levers.resizeAll}};
 }
 
@@ -184,6 +200,12 @@ void addFrameOptions(CLI::App& app, frame::FrameSettings& settings) {
         ->check(CLI::Range(0, 12))
         ->capture_default_str()
         ->group(kGroup);
+    app.add_option("--noise-warps", settings.noiseWarps,
+                   "times the pattern warps its own domain, three patterns more each")
+        ->type_name("N")
+        ->check(CLI::Range(0, 8))
+        ->capture_default_str()
+        ->group(kGroup);
     app.add_option("--noise-scale", settings.noiseScale,
                    "size of the pattern's largest cells, in scene units; 0: chosen")
         ->type_name("D")
@@ -206,7 +228,7 @@ void addFrameOptions(CLI::App& app, frame::FrameSettings& settings) {
         ->group(kGroup);
     app.add_option("--shadow-taps", settings.shadowTaps, "N of the N×N shadow filter; 0: no shadow")
         ->type_name("N")
-        ->check(CLI::Range(0, 32))
+        ->check(CLI::Range(0, 64))
         ->capture_default_str()
         ->group(kGroup);
     app.add_option("--shadow-map", settings.shadowMapSize, "shadow map texels a side")
@@ -261,6 +283,7 @@ Json settingsJson(const frame::FrameSettings& s) {
             {"ao_taps", s.skyTaps},
             {"ao_map_texels", s.skyMapSize},
             {"noise_octaves", s.noiseOctaves},
+            {"noise_warps", s.noiseWarps},
             {"noise_scale", s.noiseScale},
             {"to_sun", {s.toSun.x, s.toSun.y, s.toSun.z}},
             {"exposure", s.exposure == kMetered ? Json("auto") : Json(s.exposure)}};

@@ -16,7 +16,15 @@ void addFrameOptions(CLI::App&, frame::FrameSettings& settings);
 /// Share of the pixels that is repaired at most, where nothing else is asked for.
 inline constexpr float kRepair = 0.02f;
 
-/// Adds --shading-rate and --repair. `levers` must outlive the parsing.
+/// Spread of a local rate that is asked for without one.
+inline constexpr float kLocalRate = 0.03f;
+
+/// Adds --repair; sets `share` to what it is without it.
+void addRepairOption(CLI::App&, float& share);
+/// Adds --local-rate.
+void addLocalRateOption(CLI::App&, float& spread);
+/// Adds --shading-rate, --repair, --local-rate and --full-resize. `levers` must outlive the
+/// parsing.
 void addLeverOptions(CLI::App&, budget::Levers& levers);
 Json leversJson(const budget::Levers&);
 

@@ -63,14 +63,12 @@ Json countsOf(const Session& session, const frame::Frame& frame) {
         gpu::readBuffer(device, list.draws, scene::kDrawBins * sizeof(vk::DrawIndirectCommand)));
     std::uint64_t triangles = 0;
     for (const auto& draw : draws) triangles += draw.vertexCount / 3;
-    return {{"instances_total", scene.instanceCount()},
-            {"instances_visible", instances.size()},
-            {"clusters_total", scene.clusterCount() - 1},
-            {"clusters_visible", counts.clusters},
-            {"triangles_total", scene.triangleCount()},
-            {"triangles_visible", triangles},
-            {"repaired_pixels", frame.repairedPixels()},
-            {"triangles_per_lod", Json::array({triangles})}};  // there is one level of detail
+    return {
+        {"instances_total", scene.instanceCount()},     {"instances_visible", instances.size()},
+        {"clusters_total", scene.clusterCount() - 1},   {"clusters_visible", counts.clusters},
+        {"triangles_total", scene.triangleCount()},     {"triangles_visible", triangles},
+        {"repaired_pixels", frame.repairedPixels()},    {"refined_texels", frame.refinedTexels()},
+        {"triangles_per_lod", Json::array({triangles})}};  // there is one level of detail
 }
 
 Result<void> validationVerdict(const gpu::Device& device) {

@@ -16,6 +16,7 @@
 #include <lodestar/gpu/device.hpp>
 
 #include "app/bench/bench.hpp"
+#include "app/calibrate.hpp"
 #include "app/capture.hpp"
 #include "app/info.hpp"
 #include "app/rebuild.hpp"
@@ -33,6 +34,7 @@ void addCommands(CLI::App& app, int& exitCode) {
     addInspect(app, exitCode);
 #ifdef LODESTAR_VULKAN
     addRender(app, exitCode);
+    addCalibrate(app, exitCode);
     addCapture(app, exitCode);
     addRebuild(app, exitCode);
 #endif

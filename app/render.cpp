@@ -15,6 +15,7 @@
 #include "app/frame_options.hpp"
 #include "app/image_io.hpp"
 #include "app/judge.hpp"
+#include "app/tune.hpp"
 
 namespace lodestar::app {
 namespace {
@@ -34,6 +35,8 @@ struct Options {
     std::string controller = "yang";
     budget::Levers levers;
     std::vector<std::string> aovs;
+    fs::path settingsFile;  ///< of calibrate
+    bool tuned = false;     ///< the levers are chosen in a warm-up
     bool reference = false;
 };
 
@@ -124,7 +127,7 @@ void printSummary(const Options& options, const Outcome& outcome) {
 
 Result<void> writeReport(const Options& options, const Session& session, const frame::Frame& frame,
                          const Json& counts, const std::vector<PassTimes>& passes,
-                         const Outcome& outcome) {
+                         const Outcome& outcome, const std::optional<Tuning>& tuning) {
     Report report;
     describeDevice(session, report);
     report.settings = settingsJson(frame.settings());
@@ -132,6 +135,7 @@ Result<void> writeReport(const Options& options, const Session& session, const f
     report.settings["frames"] = options.frames;
     report.passes = passes;
     report.frameMs = outcome.frameMs;
+    if (tuning) report.more["auto"] = tuningJson(*tuning);
     report.counts = counts;
     if (outcome.quality) {
         report.quality = outcome.quality->median;
@@ -162,7 +166,24 @@ Result<void> writeReport(const Options& options, const Session& session, const f
     return writeJson(options.json, toJson(report));
 }
 
+/// The levers that suit the run best, measured from its first camera, and half-way where it moves.
+Result<Tuning> warmUp(const Options& options, const Session& session, frame::Frame& frame,
+                      const scene::Camera& start) {
+    std::vector<scene::Camera> cameras{options.path.at(start, 0, options.frames)};
+    if (options.path.kind != CameraPath::Kind::still && options.frames > 1)
+        cameras.push_back(options.path.at(start, options.frames / 2, options.frames));
+    return tune(*session.device, frame, cameras,
+                {.budget = *options.budget,
+                 .repair = options.levers.repair,
+                 .localRate = options.levers.localRate});
+}
+
 Result<void> run(Options options) {
+    if (!options.settingsFile.empty()) {
+        const auto levers = readSettings(options.settingsFile);
+        if (!levers) return tl::unexpected(levers.error());
+        options.levers = *levers;
+    }
     auto session = openSession(options.scene, options.device);
     if (!session) return tl::unexpected(session.error());
     const auto camera = resolveCamera(*session, options.view);
@@ -173,6 +194,14 @@ Result<void> run(Options options) {
     fmt::print("{} at {}x{} on {}\n", printable(options.scene), options.view.size.width,
                options.view.size.height, session->device->description().name);
 
+    std::optional<Tuning> tuning;
+    if (options.tuned) {
+        auto done = warmUp(options, *session, frame, *camera);
+        if (!done) return tl::unexpected(done.error());
+        tuning = std::move(*done);
+        printTuning(*tuning);
+        options.levers = tuning->levers;
+    }
     RunOptions runOptions{
         .frames = options.frames,
         .path = options.path,
@@ -232,7 +261,8 @@ Result<void> run(Options options) {
     printPasses(passes, outcome.frameMs);
     printSummary(options, outcome);
     if (!options.json.empty()) {
-        if (auto done = writeReport(options, *session, frame, counts, passes, outcome); !done)
+        if (auto done = writeReport(options, *session, frame, counts, passes, outcome, tuning);
+            !done)
             return done;
         files.push_back(options.json);
     }
@@ -268,12 +298,13 @@ void addRender(CLI::App& app, int& exitCode) {
         ->check(CLI::PositiveNumber)
         ->capture_default_str()
         ->group("Run");
-    addParsed(
-        *command, "--budget", o->budget,
-        [](const std::string& text) { return budget::parseBudget(text); },
-        "hold this frame time: milliseconds, or a share of the full-quality frame")
-        ->type_name("16.6ms|40%")
-        ->group("Run");
+    CLI::Option* budget =
+        addParsed(
+            *command, "--budget", o->budget,
+            [](const std::string& text) { return budget::parseBudget(text); },
+            "hold this frame time: milliseconds, or a share of the full-quality frame")
+            ->type_name("16.6ms|40%")
+            ->group("Run");
     command
         ->add_option("--controller", o->controller,
                      "who holds the budget: yang (t = K/r² + C, 2008) or none")
@@ -284,7 +315,21 @@ void addRender(CLI::App& app, int& exitCode) {
         ->add_flag("--reference", o->reference,
                    "also render at full quality and report PSNR, SSIM and FLIP against it")
         ->group("Run");
+    CLI::Option* tuned =
+        command
+            ->add_flag("--auto", o->tuned,
+                       "choose the rate of each term for --budget in a warm-up, as calibrate does")
+            ->needs(budget)
+            ->group("Run");
+    CLI::Option* settings = command
+                                ->add_option("--settings", o->settingsFile,
+                                             "take the rates from this file, which calibrate wrote")
+                                ->type_name("FILE")
+                                ->excludes(tuned)
+                                ->group("Run");
     addLeverOptions(*command, o->levers);
+    for (CLI::Option* chosen : {tuned, settings})
+        chosen->excludes(command->get_option("--shading-rate"));
     addFrameOptions(*command, o->settings);
     addParsed(*command, "--aov", o->aovs, parseAovs,
               "also write these as EXR beside --out: depth, normal, albedo, roughness, metallic, "

@@ -8,6 +8,7 @@
 #include "lodestar/scene/gpu_types.h"
 #include "lodestar/shading/coarse_params.h"
 #include "lodestar/shading/light_params.h"
+#include "lodestar/upsample/refine_params.h"
 #include "lodestar/upsample/upsample_params.h"
 #include "lodestar/visibility/capture_compute_params.h"
 #include "lodestar/visibility/capture_ms_params.h"
@@ -43,6 +44,8 @@ struct AllParams {
     UpsampleParams upsample;
     RepairHeader repair;
     RepairSelectParams repairSelect;
+    RefineHeader refineHeader;
+    RefineParams refine;
     TonemapParams tonemap;
     CompactVisibilityParams compactVisibility;
     CaptureComputeParams captureCompute;
@@ -107,13 +110,13 @@ LS_NAMESPACE_END
     VISIT(p.view.clipFromWorld) VISIT(p.view.viewFromWorld) VISIT(p.view.eye) \
     VISIT(p.view.clipScale) \
     VISIT(p.coarse.size) VISIT(p.coarse.fullSize) VISIT(p.coarse.rate) \
-    VISIT(p.coarse.terms) \
+    VISIT(p.coarse.terms) VISIT(p.coarse.step) \
     LS_VISIT_VIEW(VISIT, p.lightView) \
     VISIT(p.light.toSun) VISIT(p.light.sunIlluminance) \
     LS_VISIT_5(VISIT, p.light.irradiance) VISIT(p.light.irradiance[5]) \
     VISIT(p.light.irradiance[6]) VISIT(p.light.irradiance[7]) VISIT(p.light.irradiance[8]) \
     VISIT(p.light.shadowTaps) VISIT(p.light.skyViewCount) VISIT(p.light.skyTaps) \
-    VISIT(p.light.noiseOctaves) VISIT(p.light.noiseFrequency) \
+    VISIT(p.light.noiseOctaves) VISIT(p.light.noiseWarps) VISIT(p.light.noiseFrequency) \
     VISIT(p.light.lightCount) VISIT(p.light.skyLevels) VISIT(p.light.exposure) \
     VISIT(p.light.perLux) \
     LS_VISIT_VIEWS_4(VISIT, p.light.views, 0) LS_VISIT_VIEWS_4(VISIT, p.light.views, 4) \
@@ -121,10 +124,14 @@ LS_NAMESPACE_END
     LS_VISIT_VIEWS_4(VISIT, p.light.views, 12) LS_VISIT_VIEW(VISIT, p.light.views[16]) \
     VISIT(p.upsample.size) VISIT(p.upsample.inverseRate) VISIT(p.upsample.depthFalloff) \
     VISIT(p.upsample.normalFalloff) VISIT(p.upsample.terms) VISIT(p.upsample.repairAbove) VISIT(p.upsample.repairSpread) \
+    VISIT(p.upsample.background) \
     LS_VISIT_3(VISIT, p.repair.groups) VISIT(p.repair.listed) VISIT(p.repair.kept) \
     VISIT(p.repair.cut) LS_VISIT_BINS_16(VISIT, p.repair.bins, 0) \
     LS_VISIT_BINS_16(VISIT, p.repair.bins, 16) LS_VISIT_BINS_16(VISIT, p.repair.bins, 32) \
     LS_VISIT_BINS_16(VISIT, p.repair.bins, 48) VISIT(p.repairSelect.most) \
+    LS_VISIT_3(VISIT, p.refineHeader.groups) VISIT(p.refineHeader.listed) \
+    VISIT(p.refine.size) VISIT(p.refine.rate) VISIT(p.refine.spread) \
+    VISIT(p.refine.depthFalloff) VISIT(p.refine.normalFalloff) VISIT(p.refine.unlike) \
     VISIT(p.tonemap.exposure) \
     VISIT(p.compactVisibility.width) VISIT(p.compactVisibility.firstRow) \
     VISIT(p.compactVisibility.rows) VISIT(p.compactVisibility.band) \

@@ -102,9 +102,11 @@ std::string csvCell(const Json& value) {
 }  // namespace
 
 const std::vector<Bench>& benches() {
-    static const std::vector<Bench> all{shadingRateBench(),      framebufferLodBench(),
-                                        budgetHoldBench(),       visibilityQualityBench(),
-                                        visibilityMemoryBench(), visibilityTimeBench()};
+    static const std::vector<Bench> all{
+        shadingRateBench(),   framebufferLodBench(),    sigmaBench(),
+        splitBench(),         shadingFlickerBench(),    framerateControlBench(),
+        budgetHoldBench(),    visibilityQualityBench(), visibilityMemoryBench(),
+        visibilityTimeBench()};
     return all;
 }
 

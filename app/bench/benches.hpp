@@ -10,6 +10,14 @@ namespace lodestar::app {
 Bench shadingRateBench();
 /// The scenes of Yang et al. 2008, Figures 2 to 4.
 Bench framebufferLodBench();
+/// Figure 1 of the same: what the widths of the range filters do.
+Bench sigmaBench();
+/// Figure 5: a frame time held while view, coverage and load change, with and without control.
+Bench framerateControlBench();
+/// Flicker of a slow orbit, coarse against full quality.
+Bench shadingFlickerBench();
+/// The automatic choice of what is resized against splits made by hand.
+Bench splitBench();
 /// How well a budget is held along a camera path.
 Bench budgetHoldBench();
 /// Tables 1 and 2 of the thesis: attributes and shading rebuilt from visibility, against REF.

@@ -11,6 +11,7 @@
 
 #include "app/bench/benches.hpp"
 #include "app/bench/depth_edges.hpp"
+#include "app/bench/paper_scenes.hpp"
 #include "app/bench/published.hpp"
 #include "app/console.hpp"
 #include "app/frame_options.hpp"
@@ -28,84 +29,44 @@ using upsample::Reconstruct;
 
 constexpr int kWarmUp = 1;  // rounds that are not measured
 
-/// A scene of the paper: which term is its expensive one, and the share of the full-quality frame
-/// that it has there, (1 − 1/speed-up) / (1 − 1/r²) of Figure 2.
-struct PaperScene {
-    const char* name;
-    const char* file;
-    const char* camera;
-    Term term;
-    double share;
-    double leastSpeedup, leastDb;  ///< of fine-grained resizing at some r
-};
-constexpr std::array kPaperScenes{
-    PaperScene{"car", "lamborghini.glb", "front", Term::shadow, 0.93, 9.3, 42},
-    PaperScene{"chess", "chess_abeautifulgame.glb", "player", Term::ao, 0.92, 6.6, 38},
-    PaperScene{"dragon", "stanford_dragon_res2.glb", "side", Term::noise, 0.65, 2.6, 40},
-};
-
 /// One way to spend less than full quality.
 struct Way {
     const char* name;
     Reconstruct reconstruct;
-    float repair;
+    bool repair = false;
     bool resizeAll = false;
+    float localRate = 0;
 };
 constexpr std::array kWays{
-    Way{"conventional", Reconstruct::bilinear, 0, true},
-    Way{"full resizing", Reconstruct::bilateral, 0, true},
-    Way{"fine-grained bilinear", Reconstruct::bilinear, 0},
-    Way{"fine-grained nearest-depth", Reconstruct::nearestDepth, 0},
-    Way{"fine-grained", Reconstruct::bilateral, 0},
-    Way{"fine-grained + repair", Reconstruct::bilateral, kRepair},
+    Way{.name = "conventional", .reconstruct = Reconstruct::bilinear, .resizeAll = true},
+    Way{.name = "full resizing", .reconstruct = Reconstruct::bilateral, .resizeAll = true},
+    Way{.name = "fine-grained bilinear", .reconstruct = Reconstruct::bilinear},
+    Way{.name = "fine-grained nearest-depth", .reconstruct = Reconstruct::nearestDepth},
+    Way{.name = "fine-grained", .reconstruct = Reconstruct::bilateral},
+    Way{.name = "fine-grained + repair", .reconstruct = Reconstruct::bilateral, .repair = true},
+    Way{.name = "fine-grained + local r",
+        .reconstruct = Reconstruct::bilateral,
+        .localRate = kLocalRate},
+    Way{.name = "fine-grained + both",
+        .reconstruct = Reconstruct::bilateral,
+        .repair = true,
+        .localRate = kLocalRate},
 };
 constexpr std::array kRates{1.5f, 2.0f, 3.0f, 3.5f, 4.0f, 5.0f, 6.0f, 8.0f};
 
-frame::FrameSettings withLoad(frame::FrameSettings settings, Term term, std::uint32_t load) {
-    settings.shadowTaps = term == Term::shadow ? load : 0;
-    settings.skyViews = term == Term::ao ? shared::LS_MAX_SKY_VIEWS : 0;
-    settings.skyTaps = term == Term::ao ? load : 2;
-    settings.noiseOctaves = term == Term::noise ? load : 0;
-    return settings;
-}
-
-std::uint32_t paperLoad(Term term) {
-    return term == Term::shadow ? 9 : term == Term::ao ? 2 : 6;
-}
-
-double passMs(const gpu::FrameTimes& times, const char* name) {
-    double sum = 0;
-    for (const gpu::PassTime& pass : times.passes)
-        if (pass.name == name) sum += pass.ms;
-    return sum;
-}
-
-/// The share of the terms in the full-quality frame; medians of three.
-double shareOf(frame::Frame& frame, const scene::Camera& camera) {
-    std::vector<double> shares;
-    frame.render(camera, {});
-    for (int i = 0; i < 3; ++i) {
-        const gpu::FrameTimes times = frame.render(camera, {});
-        shares.push_back(passMs(times, "terms") / times.gpuMs);
-    }
-    return median(shares);
-}
-
-/// The load at which the term has the paper's share of the frame, from its share at the paper's own
-/// load: the cost of taps grows with (N + 1)², that of octaves with their number.
-std::uint32_t loadFor(Term term, double wanted, double share) {
-    const double factor = wanted / (1 - wanted) * (1 - share) / share;
-    const double now = paperLoad(term);
-    if (term == Term::noise)
-        return static_cast<std::uint32_t>(std::clamp(std::round(now * factor), 1.0, 12.0));
-    return static_cast<std::uint32_t>(
-        std::clamp(std::round((now + 1) * std::sqrt(factor)) - 1, 1.0, 32.0));
+/// The cap at which repair takes a twelfth of the frame at most: the dearer the terms, the fewer
+/// pixels.
+float repairCap(double share, float rate) {
+    const double frame = 1 - share + share / (double(rate) * rate);
+    return static_cast<float>(std::min(double(kRepair), frame / 12 / share));
 }
 
 /// What was measured of one way at one rate.
 struct Measured {
     const Way* way;  ///< null: full quality
     float rate = 1;
+    float repair = 0;
+    std::uint32_t repaired = 0, refined = 0;
     std::vector<double> frameMs, termsMs, methodMs;
     quality::RgbImage picture;
 
@@ -113,13 +74,13 @@ struct Measured {
         frameMs.push_back(times.gpuMs);
         termsMs.push_back(passMs(times, "terms"));
         methodMs.push_back(passMs(times, "upsample") + passMs(times, "pack") +
-                           passMs(times, "select repair") + passMs(times, "repair"));
+                           passMs(times, "refine") + passMs(times, "select repair") +
+                           passMs(times, "repair"));
     }
 };
 
 Json rowOf(const Measured& m, const Measured& full, const PaperScene& paper, const BenchCase& what,
-           const BenchOptions& options, std::uint32_t load,
-           const std::vector<std::uint8_t>& edges) {
+           const BenchOptions& options, Load load, const std::vector<std::uint8_t>& edges) {
     const double frame = median(m.frameMs), fullMs = median(full.frameMs);
     const double k = median(full.termsMs), c = fullMs - k;
     Json row{{"measures", "framebuffer-lod"},
@@ -128,7 +89,8 @@ Json rowOf(const Measured& m, const Measured& full, const PaperScene& paper, con
              {"width", options.view.size.width},
              {"height", options.view.size.height},
              {"term", budget::kTermNames[std::size_t(paper.term)]},
-             {"load", load},
+             {"load", load.amount},
+             {"warps", load.warps},
              {"method", m.way ? m.way->name : "full quality"},
              {"r", m.rate},
              {"rounds", m.frameMs.size()},
@@ -144,6 +106,9 @@ Json rowOf(const Measured& m, const Measured& full, const PaperScene& paper, con
     row["flip"] = q.flip;
     row["edge_psnr_db"] = finiteOrNull(quality::psnr(full.picture, m.picture, edges));
     row["of_ideal"] = frame / (c + k / (double(m.rate) * m.rate));
+    row["repair_cap_share"] = m.repair;
+    row["repaired_pixels"] = m.repaired;
+    row["refined_texels"] = m.refined;
     row["method_share"] = median(m.methodMs) / fullMs;
     return row;
 }
@@ -176,31 +141,31 @@ Result<void> measureScene(const PaperScene& paper, const BenchCase& what,
     const auto& [session, camera] = *opened;
     const gpu::Device& device = *session.device;
 
-    std::uint32_t load = paperLoad(paper.term);
-    {
-        frame::Frame probe(device, *session.gpuScene, withLoad(options.settings, paper.term, load));
-        const double share = shareOf(probe, camera);
-        load = loadFor(paper.term, paper.share, share);
-        fmt::print("{}: {} has {:.0f} % of the frame at the paper's load {}; measured at {}\n",
-                   paper.name, budget::kTermNames[std::size_t(paper.term)], 100 * share,
-                   paperLoad(paper.term), load);
-    }
+    const Load load = findLoad(paper, session, camera, options.settings);
     Frames frames(device, *session.gpuScene, withLoad(options.settings, paper.term, load));
 
+    const double share = shareOf(frames.bilateral, camera);
     std::vector<Measured> all{{.way = nullptr}};
     for (const float rate : kRates)
-        for (const Way& way : kWays) all.push_back({.way = &way, .rate = rate});
+        for (const Way& way : kWays)
+            all.push_back(
+                {.way = &way, .rate = rate, .repair = way.repair ? repairCap(share, rate) : 0});
     Progress bar("measuring", static_cast<std::size_t>(options.rounds + kWarmUp) * all.size());
     std::size_t done = 0;
     for (int round = -kWarmUp; round < options.rounds; ++round)
         for (Measured& m : all) {
             frame::Frame& frame = frames.of(m.way ? m.way->reconstruct : Reconstruct::bilateral);
             const Levers levers{.shadingRate = m.rate,
-                                .repair = m.way ? m.way->repair : 0,
+                                .repair = m.repair,
+                                .localRate = m.way ? m.way->localRate : 0,
                                 .resizeAll = m.way && m.way->resizeAll};
             const gpu::FrameTimes times = frame.render(camera, levers);
             if (round >= 0) m.add(times);
-            if (round == -1) m.picture = readDisplay(device, frame);
+            if (round == -1) {
+                m.picture = readDisplay(device, frame);
+                m.repaired = frame.repairedPixels();
+                m.refined = frame.refinedTexels();
+            }
             bar.update(++done);
         }
     bar.erase();
@@ -226,9 +191,7 @@ Result<void> measureScene(const PaperScene& paper, const BenchCase& what,
 }
 
 Result<BenchResult> run(const BenchOptions& options) {
-    std::vector<BenchCase> defaults;
-    for (const PaperScene& paper : kPaperScenes) defaults.push_back({paper.file, paper.camera, ""});
-    const auto cases = benchCases(options, defaults);
+    const auto cases = paperCases(options);
     if (!cases) return tl::unexpected(cases.error());
     BenchResult result;
     result.report.settings = settingsJson(options.settings);
@@ -248,21 +211,62 @@ std::vector<const Json*> rowsOf(const Json& rows, const char* scene, const std::
     return found;
 }
 
+/// The PSNR that a way reaches in a frame of `ms`, between its rows (by time); NaN outside them.
+double dbAt(std::vector<const Json*> list, double ms) {
+    std::sort(list.begin(), list.end(), [](const Json* a, const Json* b) {
+        return a->at("frame_ms").get<double>() < b->at("frame_ms").get<double>();
+    });
+    for (std::size_t i = 1; i < list.size(); ++i) {
+        const double a = list[i - 1]->at("frame_ms"), b = list[i]->at("frame_ms");
+        if (ms < a || ms > b) continue;
+        const double part = b > a ? std::log(ms / a) / std::log(b / a) : 0;
+        const double low = numberOrInfinity(*list[i - 1], "psnr_db");
+        const double high = numberOrInfinity(*list[i], "psnr_db");
+        return low + part * (high - low);
+    }
+    return NAN;
+}
+
+/// Over the rates r = 2 … 5 of `base`: the mean of what `other` gains in the same time [dB].
+double gainAtEqualTime(const std::vector<const Json*>& base, const std::vector<const Json*>& other,
+                       double leastRate, double mostRate) {
+    double sum = 0;
+    int count = 0;
+    for (const Json* row : base) {
+        const double r = row->at("r");
+        if (r < leastRate || r > mostRate) continue;
+        const double there = dbAt(other, row->at("frame_ms"));
+        if (!std::isfinite(there)) continue;
+        sum += there - numberOrInfinity(*row, "psnr_db");
+        ++count;
+    }
+    return count > 0 ? sum / count : NAN;
+}
+
 std::vector<Bar> barsOf(const Json& rows) {
     std::vector<Bar> bars;
     for (const PaperScene& paper : kPaperScenes) {
         const auto plain = rowsOf(rows, paper.name, "fine-grained");
         const auto repaired = rowsOf(rows, paper.name, "fine-grained + repair");
+        const auto local = rowsOf(rows, paper.name, "fine-grained + local r");
         if (plain.empty()) continue;
         // The fastest row that is good enough, of those without and with repair.
         double fastest = 0;
-        for (const auto& list : {plain, repaired})
+        for (const auto& list : {plain, repaired, local})
             for (const Json* row : list)
                 if (numberOrInfinity(*row, "psnr_db") >= paper.leastDb)
                     fastest = std::max(fastest, row->at("speedup").get<double>());
         bars.push_back({fmt::format("speed-up at {:g} dB or more: {}", paper.leastDb, paper.name),
                         fastest, "x", fmt::format(">= {:g}", paper.leastSpeedup),
                         fastest >= paper.leastSpeedup});
+        const double over = gainAtEqualTime(rowsOf(rows, paper.name, "conventional"),
+                                            rowsOf(rows, paper.name, "full resizing"), 2, 3);
+        bars.push_back({fmt::format("full resizing over conventional, equal time: {}", paper.name),
+                        over, "dB", fmt::format(">= {:g}", paper.overBilinearDb),
+                        over >= paper.overBilinearDb});
+        const double localGain = gainAtEqualTime(plain, local, 1.5, 4);
+        bars.push_back({fmt::format("local r over one r, equal time: {}", paper.name), localGain,
+                        "dB", "> 0", localGain > 0});
         double worst = 0, share = 0;
         for (const Json* row : plain) {
             const double r = row->at("r");
@@ -296,12 +300,13 @@ Bench framebufferLodBench() {
     return {.name = "framebuffer-lod",
             .what =
                 "the paper's three scenes at r = 1.5 … 8: speed-up and quality of fine-grained "
-                "resizing by four reconstructions",
+                "resizing by four reconstructions, with repair and local rates",
             .run = run,
             .bars = barsOf,
             .tables = {{"framebuffer-lod",
                         {"paper_scene", "method", "r", "frame_ms", "terms_ms", "method_ms",
-                         "speedup", "of_ideal", "psnr_db", "edge_psnr_db", "ssim", "flip"}}}};
+                         "speedup", "of_ideal", "psnr_db", "edge_psnr_db", "ssim", "flip",
+                         "repaired_pixels", "refined_texels"}}}};
 }
 
 }  // namespace lodestar::app

@@ -25,6 +25,7 @@ add_library(lodestar STATIC
     shading/coarse.cpp
     shading/combine.cpp
     upsample/pack_coarse.cpp
+    upsample/refine.cpp
     upsample/repair.cpp
     upsample/upsample.cpp
     post/tonemap.cpp
@@ -60,9 +61,11 @@ lodestar_shaders(lodestar
     visibility/sample_grid.comp
     visibility/resolve.comp
     shading/coarse.comp
+    shading/coarse_listed.comp
     shading/combine.comp
     shading/repair_terms.comp
     upsample/pack_coarse.comp
+    upsample/refine.comp
     upsample/repair_compact.comp
     upsample/repair_cut.comp
     upsample/upsample.comp

@@ -23,6 +23,9 @@ struct Levers {
     /// At most this share of the pixels has its coarse terms evaluated anew, where no texel of S is
     /// like the pixel; 0 = none.
     float repair = 0;
+    /// Above 0 only every second texel of S is evaluated where the terms of neighbours lie no
+    /// further apart than this (0 … 1); 0 = all are.
+    float localRate = 0;
 
     /// The whole shading goes to grid S, not the expensive terms alone (the paper's full resizing).
     bool resizeAll = false;

@@ -8,6 +8,7 @@
 
 #include <lodestar/shading/coarse_params.h>
 #include <lodestar/shading/light_params.h>
+#include <lodestar/upsample/refine_params.h>
 #include <lodestar/upsample/upsample_params.h>
 #include <lodestar/visibility/view_params.h>
 #include <lodestar/gpu/readback.hpp>
@@ -89,11 +90,12 @@ float luminance(glm::vec3 color) {
 const FrameSettings& checked(const FrameSettings& s) {
     if (s.size.width < 1 || s.size.height < 1 || s.size.width > 16384 || s.size.height > 16384)
         throw std::invalid_argument("FrameSettings::size must be 1 … 16384 pixels a side");
-    if (s.shadowTaps > 32) throw std::invalid_argument("FrameSettings::shadowTaps must be ≤ 32");
+    if (s.shadowTaps > 64) throw std::invalid_argument("FrameSettings::shadowTaps must be ≤ 64");
     if (s.shadowMapSize < 16 || s.shadowMapSize > 16384)
         throw std::invalid_argument("FrameSettings::shadowMapSize must be 16 … 16384");
     if (s.noiseOctaves > 12)
         throw std::invalid_argument("FrameSettings::noiseOctaves must be ≤ 12");
+    if (s.noiseWarps > 8) throw std::invalid_argument("FrameSettings::noiseWarps must be ≤ 8");
     if (!(s.noiseScale >= 0)) throw std::invalid_argument("FrameSettings::noiseScale must be ≥ 0");
     if (!(s.exposure >= 0) || std::isinf(s.exposure))
         throw std::invalid_argument("FrameSettings::exposure must be ≥ 0");
@@ -121,6 +123,7 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       rebuildPass(owner, gpuScene.features()),
       coarse(owner),
       upsample(owner, s.reconstruct),
+      refine(owner),
       repairSelect(owner),
       combine(owner, gpuScene.features()),
       tonemap(owner),
@@ -132,6 +135,7 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
                  .shadows = s.shadowTaps > 0,
                  .shadowDistance = s.shadowDistance}),
       repairList(owner, s.size),
+      refineList(owner, s.size),
       viewBuffer(owner, "view", sizeof(shared::ViewParams), gpu::Residence::mapped),
       lightBuffer(owner, "light", sizeof(shared::LightParams), gpu::Residence::mapped),
       idImage(target(owner, s.size, vk::Format::eR32Uint, "ids",
@@ -351,6 +355,7 @@ void Frame::evaluateTerms(const budget::Levers& levers) {
     const shading::Coarse::Inputs inputs{idImage, lightMaps.sunMap(), lightMaps.skyMaps(),
                                          viewBuffer, lightBuffer};
     const bool repairing = levers.repair > 0;
+    refines = false;
     if (repairing) upsample::RepairSelect::clear(rec, repairList);
     shading::Coarse::Mask written = 0, toRepair = 0;
     for (const RateGroup& group : rateGroups(levers)) {
@@ -365,7 +370,7 @@ void Frame::evaluateTerms(const budget::Levers& levers) {
         // The coarsest grid misses most: it says which pixels are repaired, for all the terms.
         const bool lists = repairing && toRepair == 0;
         toRepair |= group.terms;
-        coarse.record(rec, *scene, inputs, group.terms, group.rate, coarseImage);
+        evaluateOnGridS(inputs, group.terms, group.rate, levers.localRate);
         rec.barrier(Stage::compute, Stage::compute);
         upsample.record(rec,
                         {coarseImage, surfaces.depth, surfaces.normal,
@@ -373,13 +378,40 @@ void Frame::evaluateTerms(const budget::Levers& levers) {
                         options.sigmas, termImage,
                         {.channels = mask,
                          .repair = lists ? &repairList : nullptr,
-                         .leastWeight = options.leastWeight});
+                         .leastWeight = options.leastWeight,
+                         .background = false});
     }
     listHolds = repairing && toRepair != 0;
     if (!listHolds) return;
     rec.barrier(Stage::compute, Stage::compute);
     repairSelect.record(rec, repairList, levers.repair);
     coarse.recordRepair(rec, *scene, inputs, toRepair, repairList, termImage);
+}
+
+/// Every texel of S, or with a local rate every second one and, where the terms vary, the others.
+void Frame::evaluateOnGridS(const shading::Coarse::Inputs& inputs, shading::Coarse::Mask terms,
+                            float rate, float localRate) {
+    coarse.record(rec, *scene, inputs, terms, rate, coarseImage, localRate > 0 ? 2 : 1);
+    if (localRate == 0) return;
+    refines = true;
+    rec.barrier(Stage::compute, Stage::compute);
+    refine.record(
+        rec, {surfaces.depth, surfaces.normal, shading::coarseExtent(options.size, rate), rate},
+        options.sigmas, localRate, coarseImage, refineList);
+    coarse.recordListed(rec, *scene, inputs, terms, rate, refineList, coarseImage);
+}
+
+void Frame::setShadowTaps(std::uint32_t taps) {
+    if (taps < 1 || taps > 64) throw std::invalid_argument("Frame::setShadowTaps: 1 … 64");
+    if (options.shadowTaps > 0) options.shadowTaps = taps;
+}
+
+std::uint32_t Frame::refinedTexels() const {
+    if (!refines) return 0;
+    return gpu::as<shared::RefineHeader>(
+               gpu::readBuffer(*device, refineList.header, sizeof(shared::RefineHeader)))
+        .front()
+        .listed;
 }
 
 std::uint32_t Frame::repairedPixels() const {
@@ -413,6 +445,7 @@ void Frame::writeUniforms(const scene::Camera& camera) {
                               .skyViewCount = options.skyViews,
                               .skyTaps = options.skyTaps,
                               .noiseOctaves = options.noiseOctaves,
+                              .noiseWarps = options.noiseWarps,
                               .noiseFrequency = 1 / cell,
                               .lightCount = scene->lightCount(),
                               .skyLevels = shading::SkyMap::kLevels,

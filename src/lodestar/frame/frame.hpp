@@ -33,6 +33,7 @@ struct FrameSettings {
     std::uint32_t skyTaps = 2;           ///< N of the N×N PCF of each
     std::uint32_t skyMapSize = 512;      ///< texels a side of each
     std::uint32_t noiseOctaves = 0;      ///< of the pattern on all surfaces; 0 = none, at most 12
+    std::uint32_t noiseWarps = 0;        ///< times the pattern warps its own domain, at most 8
     float noiseScale = 0;      ///< cells of its first octave [scene units]; 0 = 1/8 of the scene
     float leastWeight = 0.1f;  ///< pixels reconstructed from less may be repaired
     float exposure = 1;        ///< 0: metered on the first frame, and kept
@@ -69,6 +70,12 @@ public:
     const gpu::Image& terms() const { return termImage; }
     /// Pixels of the last frame whose coarse terms were evaluated anew. Waits for the device.
     std::uint32_t repairedPixels() const;
+    /// Texels of grid S that a local rate had evaluated beside every second one, in the last
+    /// frame's last such grid. Waits for the device.
+    std::uint32_t refinedTexels() const;
+    /// N of the sun's filter from the next frame on, where there is a shadow: a change of load.
+    /// Throws std::invalid_argument outside 1 … 64.
+    void setShadowTaps(std::uint32_t taps);
     const geometry::DrawList& drawList() const { return eyeList; }
     /// As given; the exposure as in use.
     const FrameSettings& settings() const { return options; }
@@ -76,6 +83,8 @@ public:
 private:
     void shade(const budget::Levers&);
     void evaluateTerms(const budget::Levers&);
+    void evaluateOnGridS(const shading::Coarse::Inputs&, shading::Coarse::Mask, float rate,
+                         float localRate);
     void shadeOnGridS(float rate);
     /// Sets the exposure by the last frame's radiance.
     void meter();
@@ -121,6 +130,7 @@ private:
     visibility::Rebuild rebuildPass;
     shading::Coarse coarse;
     upsample::Upsample upsample;
+    upsample::Refine refine;
     upsample::RepairSelect repairSelect;
     shading::Combine combine;
     post::Tonemap tonemap;
@@ -128,7 +138,9 @@ private:
     geometry::DrawList eyeList;
     LightMaps lightMaps;
     upsample::RepairList repairList;
+    upsample::RefineList refineList;
     bool listHolds = false;  ///< whether the last frame filled the list
+    bool refines = false;    ///< whether it had a local rate
     gpu::Buffer viewBuffer, lightBuffer;
     gpu::Image idImage, depthBuffer, skyImage, coarseImage, termImage, radianceImage, displayImage;
     visibility::Surface surfaces;

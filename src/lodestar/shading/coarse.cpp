@@ -14,6 +14,9 @@ constexpr std::uint32_t kCode[] =
 constexpr std::uint32_t kRepairCode[] =
 #include <lodestar/shading/repair_terms.comp.inc>
     ;
+constexpr std::uint32_t kListedCode[] =
+#include <lodestar/shading/coarse_listed.comp.inc>
+    ;
 
 using gpu::Slot;
 
@@ -33,11 +36,11 @@ gpu::Kernel makeKernel(const gpu::Device& device, const char* name, bool full, b
             {full, merge, points}};
 }
 
-gpu::Kernel makeRepair(const gpu::Device& device) {
+gpu::Kernel makeListed(const gpu::Device& device, const char* name,
+                       std::span<const std::uint32_t> code) {
     auto slots = kInputSlots;
     slots.insert(slots.end(), 2, Slot::storageBuffer);
-    return {device, "repair terms", kRepairCode, scene::withSceneSlots(slots),
-            sizeof(shared::CoarseParams)};
+    return {device, name, code, scene::withSceneSlots(slots), sizeof(shared::CoarseParams)};
 }
 
 std::vector<gpu::Binding> bindings(const Coarse::Inputs& in, const vk::raii::Sampler& sampler,
@@ -52,12 +55,14 @@ std::vector<gpu::Binding> withPoints(const Coarse::Inputs& in, const vk::raii::S
     return all;
 }
 
-shared::CoarseParams paramsOf(vk::Extent2D full, float rate, Coarse::Mask terms) {
+shared::CoarseParams paramsOf(vk::Extent2D full, float rate, Coarse::Mask terms,
+                              std::uint32_t step = 1) {
     const vk::Extent2D size = coarseExtent(full, rate);
     return {.size = {size.width, size.height},
             .fullSize = {full.width, full.height},
             .rate = rate,
-            .terms = terms};
+            .terms = terms,
+            .step = step};
 }
 
 }  // namespace
@@ -80,14 +85,27 @@ Coarse::Coarse(const gpu::Device& device)
       full(makeKernel(device, "terms", true, false, false)),
       fullMerge(makeKernel(device, "some terms", true, true, false)),
       fullPoints(makeKernel(device, "terms at points", true, false, true)),
-      repair(makeRepair(device)) {}
+      repair(makeListed(device, "repair terms", kRepairCode)),
+      listed(makeListed(device, "listed terms", kListedCode)) {}
 
 void Coarse::record(gpu::Recorder& rec, const scene::GpuScene& scene, const Inputs& in, Mask terms,
-                    float rate, gpu::View out) const {
+                    float rate, gpu::View out, std::uint32_t step) const {
     const auto pass = rec.pass("terms");
-    rec.dispatch(coarse, gpu::groups8x8(coarseExtent(in.ids.extent, rate)),
+    const vk::Extent2D size = coarseExtent(in.ids.extent, rate);
+    rec.dispatch(coarse,
+                 gpu::groups8x8({gpu::groups(size.width, step), gpu::groups(size.height, step)}),
                  scene::withScene(scene, withPoints(in, pointSampler, out, noPoints)),
-                 paramsOf(in.ids.extent, rate, terms));
+                 paramsOf(in.ids.extent, rate, terms, step));
+}
+
+void Coarse::recordListed(gpu::Recorder& rec, const scene::GpuScene& scene, const Inputs& in,
+                          Mask terms, float rate, const upsample::RefineList& list,
+                          gpu::View out) const {
+    const auto pass = rec.pass("terms");
+    auto all = bindings(in, pointSampler, out);
+    all.insert(all.end(), {list.header, list.listed});
+    rec.dispatchIndirect(listed, list.header, scene::withScene(scene, all),
+                         paramsOf(in.ids.extent, rate, terms));
 }
 
 void Coarse::recordFull(gpu::Recorder& rec, const scene::GpuScene& scene, const Inputs& in,

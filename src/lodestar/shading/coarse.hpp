@@ -6,6 +6,7 @@
 #include <lodestar/shading/coarse_params.h>
 #include <lodestar/gpu/recorder.hpp>
 #include <lodestar/scene/gpu_scene.hpp>
+#include <lodestar/upsample/refine.hpp>
 #include <lodestar/upsample/repair.hpp>
 
 namespace lodestar::shading {
@@ -34,8 +35,12 @@ public:
     using Mask = std::uint32_t;
 
     /// Writes the part of `coarse` (RGBA32_UINT) that coarseExtent(ids, rate) names.
+    /// With `step` 2 every second texel of every second row alone, for upsample::Refine.
     void record(gpu::Recorder&, const scene::GpuScene&, const Inputs&, Mask, float rate,
-                gpu::View coarse) const;
+                gpu::View coarse, std::uint32_t step = 1) const;
+    /// Writes the texels of that grid that are listed. Pass "terms".
+    void recordListed(gpu::Recorder&, const scene::GpuScene&, const Inputs&, Mask, float rate,
+                      const upsample::RefineList&, gpu::View coarse) const;
     /// r = 1: writes the terms of every pixel of O to `terms` (RGBA16_SFLOAT), nothing to upsample.
     /// Channels that the mask lacks keep what they hold; all are written for LS_ALL_TERMS.
     void recordFull(gpu::Recorder&, const scene::GpuScene&, const Inputs&, Mask,
@@ -47,7 +52,7 @@ public:
 private:
     vk::raii::Sampler pointSampler;
     gpu::Image noPoints;  ///< what is bound where there are none
-    gpu::Kernel coarse, full, fullMerge, fullPoints, repair;
+    gpu::Kernel coarse, full, fullMerge, fullPoints, repair, listed;
 };
 
 }  // namespace lodestar::shading

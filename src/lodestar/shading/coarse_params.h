@@ -17,6 +17,7 @@ struct CoarseParams {
     uvec2 fullSize;  // of O
     float rate;      // r
     uint terms;      // the terms to evaluate; others are 1
+    uint step;       // texels of S from one that is evaluated to the next
 };
 
 LS_NAMESPACE_END

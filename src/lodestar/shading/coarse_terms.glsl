@@ -57,8 +57,16 @@ vec4 evaluateTerms(SurfacePoint at, uint terms) {
     const int taps = (terms & LS_TERM_SHADOW) != 0 ? int(light.shadowTaps) : 0;
     const int views = (terms & LS_TERM_AO) != 0 ? int(light.skyViewCount) : 0;
     const int octaves = (terms & LS_TERM_NOISE) != 0 ? int(light.noiseOctaves) : 0;
-    const float pattern = fractalNoise(at.position * light.noiseFrequency, octaves);
+    const int warps = octaves > 0 ? int(light.noiseWarps) : 0;
+    const float pattern = warpedNoise(at.position * light.noiseFrequency, octaves, warps);
     return vec4(sunVisibility(at, taps), skyVisibility(at, views), 0.5 + 0.5 * pattern, 0);
 }
+
+/// Where on grid O the centre of a texel of S lies, in pixels: within the picture.
+vec2 centreOf(ivec2 texel, CoarseParams params) {
+    return min((vec2(texel) + 0.5) * params.rate, vec2(params.fullSize) - 0.5);
+}
+
+const vec4 kTermsOfBackground = vec4(1, 1, 0.5, 0);
 
 #endif

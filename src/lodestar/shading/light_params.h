@@ -24,6 +24,7 @@ struct LightParams {
     uint skyViewCount;     // views[1] … views[skyViewCount]; 0 = the sky is seen from everywhere
     uint skyTaps;          // N of the N×N PCF of each
     uint noiseOctaves;     // of the procedural pattern; 0 = none
+    uint noiseWarps;       // times that pattern warps its own domain
     float noiseFrequency;  // cells of its first octave per scene unit
     uint lightCount;       // punctual lights
     uint skyLevels;        // mip levels of the sky map: roughness 0 … 1

@@ -59,6 +59,19 @@ LS_FUNCTION float fractalNoise(vec3 p, int octaves) {
     return total > 0.0f ? sum / total : 0.0f;
 }
 
+/// The same at points moved by noise themselves, `warps` times over (domain warping): folds of the
+/// pattern, for three sums of octaves more a time.
+LS_FUNCTION float warpedNoise(vec3 p, int octaves, int warps) {
+    vec3 at = p;
+    for (int i = 0; i < warps; ++i) {
+        const vec3 from = at + vec3(5.2f, 1.3f, 2.8f) * float(i + 1);
+        at = p + 0.5f * vec3(fractalNoise(from, octaves),
+                             fractalNoise(from + vec3(11.7f, 3.9f, 7.1f), octaves),
+                             fractalNoise(from + vec3(23.1f, 19.4f, 13.6f), octaves));
+    }
+    return fractalNoise(at, octaves);
+}
+
 #ifdef __cplusplus
 }  // namespace lodestar::shared
 #endif

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include <lodestar/upsample/upsample_params.h>
+#include <lodestar/upsample/falloff.hpp>
 #include <lodestar/upsample/upsample.hpp>
 
 namespace lodestar::upsample {
@@ -52,12 +53,6 @@ gpu::Kernel makeKernel(const gpu::Device& device, Reconstruct kind, bool guided,
             {domainOf(kind), guided && isGuided(kind), merge, repair && isBilateral(kind)}};
 }
 
-/// exp(−d²/2σ²) = exp2(−falloff · d²).
-float falloff(float sigma, const char* name) {
-    if (!(sigma > 0)) throw std::invalid_argument(std::string("Sigmas::") + name + " must be > 0");
-    return std::isinf(sigma) ? 0.0f : 1.44269504f / (2 * sigma * sigma);
-}
-
 }  // namespace
 
 Upsample::Upsample(const gpu::Device& device, Reconstruct kind)
@@ -91,7 +86,8 @@ void Upsample::record(gpu::Recorder& rec, const Inputs& in, const Sigmas& sigmas
                                         .normalFalloff = falloff(sigmas.n, "n"),
                                         .terms = options.channels,
                                         .repairAbove = -std::log2(options.leastWeight),
-                                        .repairSpread = options.mostSpread};
+                                        .repairSpread = options.mostSpread,
+                                        .background = options.background};
     const bool flat = params.depthFalloff == 0 && params.normalFalloff == 0;
     const auto pass = rec.pass("upsample");
     const bool merge = options.channels != 15;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
+#include "../shared/where.glsl"
 #include "triangle.glsl"
 #include "rebuild_params.h"
 #include "view_params.h"
@@ -35,16 +36,7 @@ TexturePoint interpolate(vec2 a, vec2 b, vec2 c, vec3 at, vec3 dx, vec3 dy) {
                         a * dy.x + b * dy.y + c * dy.z);
 }
 
-void main() {
-    const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-    const ivec2 size = textureSize(ids, 0);
-    if (any(greaterThanEqual(pixel, size))) return;
-    const uint id = texelFetch(ids, pixel, 0).x;
-    if (id == 0) {
-        imageStore(outDepth, pixel, vec4(0));
-        return;
-    }
-
+void rebuild(ivec2 pixel, uint id) {
     const Triangle t = loadTriangle(id);
     const vec2 toNdc = params.pixelNdc;
     const vec2 ndc = kPoints != 0 ? texelFetch(points, pixel, 0).xy
@@ -115,4 +107,12 @@ void main() {
         if (kEmissiveArrays != 0) emissive *= sampleTexture(material.emissiveTexture, 4, place, kEmissiveArrays).rgb;
         imageStore(outEmissive, pixel, vec4(emissive, 0));
     }
+}
+
+void main() {
+    const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(pixel, textureSize(ids, 0)))) return;
+    const uint id = texelFetch(ids, pixel, 0).x;
+    LS_WHERE(id == 0) imageStore(outDepth, pixel, vec4(0));
+    LS_WHERE(id != 0) rebuild(pixel, id);
 }

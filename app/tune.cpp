@@ -1,0 +1,284 @@
+// SPDX-License-Identifier: Apache-2.0
+#include "app/tune.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <fstream>
+
+#include <fmt/format.h>
+
+#include <lodestar/budget/trace.hpp>
+#include <lodestar/quality/metrics.hpp>
+
+#include "app/console.hpp"
+#include "app/frame_options.hpp"
+
+namespace lodestar::app {
+namespace {
+
+namespace fs = std::filesystem;
+using budget::kTerms;
+using budget::Split;
+using budget::Term;
+
+constexpr std::array kRates{1.5f, 2.0f, 3.0f, 5.0f, 8.0f};  // at which each term is measured
+// A frame that holds the budget but for the clock's noise is not passed over.
+constexpr double kOver = 1.02;
+
+std::array<bool, kTerms> presentTerms(const frame::FrameSettings& settings) {
+    return {settings.shadowTaps > 0, settings.skyViews > 0, settings.noiseOctaves > 0};
+}
+
+double mseOf(double psnrDb) {
+    return std::isinf(psnrDb) ? 0 : 255.0 * 255 / std::pow(10, psnrDb / 10);
+}
+
+/// Full quality, each term coarse by itself at every rate, and all of them together.
+std::vector<Split> splitsToMeasure(const std::array<bool, kTerms>& present, float repair) {
+    std::vector<Split> splits{{}};
+    for (const float share : {0.0f, repair}) {
+        if (share == 0 && splits.size() > 1) break;
+        for (std::size_t i = 0; i < kTerms; ++i) {
+            if (!present[i]) continue;
+            for (const float rate : kRates) {
+                Split split{.repair = share};
+                split.rates[i] = rate;
+                splits.push_back(split);
+            }
+        }
+        for (const float rate : {2.0f, 5.0f}) {
+            Split split{.repair = share};
+            for (std::size_t i = 0; i < kTerms; ++i)
+                if (present[i]) split.rates[i] = rate;
+            if (std::find(splits.begin(), splits.end(), split) == splits.end())
+                splits.push_back(split);
+        }
+    }
+    return splits;
+}
+
+std::string ratesText(const Split& split, const budget::SplitModel& model) {
+    std::string text;
+    for (std::size_t i = 0; i < kTerms; ++i)
+        if (model.has(Term(i)))
+            text += fmt::format("{}{}={:.2f}", text.empty() ? "" : ",", budget::kTermNames[i],
+                                split.rates[i]);
+    return text;
+}
+
+std::string dbText(double db) {
+    return std::isinf(db) ? "identical" : fmt::format("{:.1f} dB", db);
+}
+
+Json splitJson(const Split& split) {
+    Json rates;
+    for (std::size_t i = 0; i < kTerms; ++i)
+        rates[std::string(budget::kTermNames[i])] = split.rates[i];
+    return {{"rates", rates}, {"repair", split.repair}};
+}
+
+Result<float> numberIn(const Json& json, const char* key, double least, double most) {
+    const auto found = json.find(key);
+    if (found == json.end() || !found->is_number())
+        return fail(fmt::format("no number \"{}\"", key));
+    const double value = found->get<double>();
+    if (!(value >= least && value <= most))
+        return fail(fmt::format("\"{}\" must be from {:g} to {:g}", key, least, most));
+    return static_cast<float>(value);
+}
+
+Result<budget::Levers> leversIn(const Json& json) {
+    if (!json.is_object() || !json.contains("rates") || !json.at("rates").is_object())
+        return fail("no object \"rates\"");
+    Split split;
+    for (std::size_t i = 0; i < kTerms; ++i) {
+        const std::string name(budget::kTermNames[i]);
+        const auto rate = numberIn(json.at("rates"), name.c_str(), 1, 64);
+        if (!rate) return tl::unexpected(rate.error());
+        split.rates[i] = *rate;
+    }
+    const auto repair = numberIn(json, "repair", 0, 1);
+    if (!repair) return tl::unexpected(repair.error());
+    split.repair = *repair;
+    const auto local = numberIn(json, "local_rate", 0, 1);
+    if (!local) return tl::unexpected(local.error());
+    budget::Levers levers = budget::leversOf(split);
+    levers.localRate = *local;
+    return levers;
+}
+
+}  // namespace
+
+double psnrOfMse(double mse) {
+    return 10 * std::log10(255.0 * 255 / mse);
+}
+
+std::vector<budget::SplitSample> measureSplits(const gpu::Device& device, frame::Frame& frame,
+                                               const std::vector<scene::Camera>& cameras,
+                                               const std::vector<Split>& splits,
+                                               const TuneOptions& options, const char* what) {
+    std::vector<budget::SplitSample> samples;
+    for (const Split& split : splits) samples.push_back({split, 0, 0});
+    const double weight = 1 / static_cast<double>(cameras.size());
+    const auto rounds = static_cast<std::size_t>(options.rounds);
+    Progress bar(what, splits.size() * cameras.size() * rounds);
+    std::size_t done = 0;
+    for (const scene::Camera& camera : cameras) {
+        frame.render(camera, {});
+        const quality::RgbImage reference = readDisplay(device, frame);
+        std::vector<std::vector<double>> times(splits.size());
+        // In turn, so that whatever else the machine does falls on all alike.
+        for (std::size_t round = 0; round < rounds; ++round)
+            for (std::size_t i = 0; i < splits.size(); ++i) {
+                budget::Levers levers = budget::leversOf(splits[i]);
+                levers.localRate = options.localRate;
+                times[i].push_back(frame.render(camera, levers).gpuMs);
+                bar.update(++done);
+                if (round > 0) continue;
+                samples[i].mse +=
+                    weight * mseOf(quality::psnr(reference, readDisplay(device, frame)));
+            }
+        for (std::size_t i = 0; i < splits.size(); ++i)
+            samples[i].ms += weight * budget::median(times[i]);
+    }
+    return samples;
+}
+
+Result<TermSamples> measureTerms(const gpu::Device& device, frame::Frame& frame,
+                                 const std::vector<scene::Camera>& cameras,
+                                 const TuneOptions& options) {
+    const auto present = presentTerms(frame.settings());
+    if (std::find(present.begin(), present.end(), true) == present.end())
+        return fail("the shading has no expensive term to resize: see --terms");
+    auto samples = measureSplits(device, frame, cameras, splitsToMeasure(present, options.repair),
+                                 options, "measuring each term");
+    const budget::SplitModel model(samples, present);
+    const double fullMs = samples.front().ms;
+    return TermSamples{std::move(samples), model, fullMs};
+}
+
+Tuning chooseSplit(const gpu::Device& device, frame::Frame& frame,
+                   const std::vector<scene::Camera>& cameras, const TuneOptions& options,
+                   const TermSamples& terms) {
+    const double targetMs = options.budget.targetMs(terms.fullMs);
+    Tuning tuning{terms.fullMs, targetMs, terms.samples, terms.model, {}, 0, {}};
+    // The model is a model: its favourites are rendered, and the pictures decide. Full quality is
+    // one of them where the budget is above it.
+    const auto favourites = budget::bestSplits(terms.model, targetMs, options.finalists);
+    std::vector<Split> splits;
+    for (const budget::RatedSplit& one : favourites) splits.push_back(one.split);
+    const auto measured =
+        measureSplits(device, frame, cameras, splits, options, "measuring the best splits");
+    for (std::size_t i = 0; i < measured.size(); ++i)
+        tuning.finalists.push_back({favourites[i], measured[i].ms, psnrOfMse(measured[i].mse)});
+    const auto holds = [&](const Finalist& f) { return f.ms <= kOver * targetMs; };
+    const auto better = [&](const Finalist& a, const Finalist& b) {
+        if (holds(a) != holds(b)) return holds(a);
+        return holds(a) ? a.psnrDb > b.psnrDb : a.ms < b.ms;
+    };
+    const auto best = std::min_element(tuning.finalists.begin(), tuning.finalists.end(), better);
+    tuning.chosen = static_cast<std::size_t>(best - tuning.finalists.begin());
+    tuning.levers = budget::leversOf(best->predicted.split);
+    tuning.levers.localRate = options.localRate;
+    return tuning;
+}
+
+Result<Tuning> tune(const gpu::Device& device, frame::Frame& frame,
+                    const std::vector<scene::Camera>& cameras, const TuneOptions& options) {
+    const auto terms = measureTerms(device, frame, cameras, options);
+    if (!terms) return tl::unexpected(terms.error());
+    return chooseSplit(device, frame, cameras, options, *terms);
+}
+
+void printTuning(const Tuning& tuning) {
+    using Align = Table::Align;
+    std::vector<Table::Column> columns{{"term"}, {"cost", Align::right}, {"share", Align::right}};
+    for (const float rate : kRates)
+        columns.push_back({fmt::format("r = {:g}", rate), Align::right});
+    Table terms(columns);
+    const budget::SplitModel& model = tuning.model;
+    for (std::size_t i = 0; i < kTerms; ++i) {
+        if (!model.has(Term(i))) continue;
+        std::vector<std::string> cells{
+            std::string(budget::kTermNames[i]), formatMs(model.termMs(Term(i))),
+            fmt::format("{:.0f} %", 100 * model.termMs(Term(i)) / tuning.fullMs)};
+        for (const float rate : kRates) {
+            Split split;
+            split.rates[i] = rate;
+            cells.push_back(dbText(psnrOfMse(model.mse(split))));
+        }
+        terms.row(std::move(cells));
+    }
+    fmt::print("{}", terms.text());
+    fmt::print("  full quality {}, of it fixed {}; each grid S {}\n\n", formatMs(tuning.fullMs),
+               formatMs(model.fixedMs()), formatMs(model.gridMs()));
+    Table finalists({{""},
+                     {"split"},
+                     {"repair", Align::right},
+                     {"predicted", Align::right},
+                     {"", Align::right},
+                     {"measured", Align::right},
+                     {"", Align::right}});
+    for (std::size_t i = 0; i < tuning.finalists.size(); ++i) {
+        const Finalist& f = tuning.finalists[i];
+        finalists.row({i == tuning.chosen ? ">" : "", ratesText(f.predicted.split, model),
+                       fmt::format("{:g}", f.predicted.split.repair), formatMs(f.predicted.ms),
+                       dbText(psnrOfMse(f.predicted.mse)), formatMs(f.ms), dbText(f.psnrDb)});
+    }
+    fmt::print("{}", finalists.text());
+    fmt::print(
+        "budget {}: {} at {}{}\n", formatMs(tuning.targetMs), formatMs(tuning.choice().ms),
+        dbText(tuning.choice().psnrDb),
+        tuning.choice().ms > kOver * tuning.targetMs ? ", the fastest there is: MISSED" : "");
+}
+
+Json tuningJson(const Tuning& tuning) {
+    Json json = splitJson(tuning.choice().predicted.split);
+    json["local_rate"] = tuning.levers.localRate;
+    json["full_ms"] = tuning.fullMs;
+    json["budget_ms"] = tuning.targetMs;
+    json["achieved_ms"] = tuning.choice().ms;
+    json["psnr_db"] = std::isinf(tuning.choice().psnrDb) ? Json() : Json(tuning.choice().psnrDb);
+    json["fixed_ms"] = tuning.model.fixedMs();
+    json["grid_ms"] = tuning.model.gridMs();
+    Json terms;
+    for (std::size_t i = 0; i < kTerms; ++i)
+        if (tuning.model.has(Term(i)))
+            terms[std::string(budget::kTermNames[i])] = tuning.model.termMs(Term(i));
+    json["term_ms"] = terms;
+    json["finalists"] = Json::array();
+    for (const Finalist& f : tuning.finalists) {
+        Json one = splitJson(f.predicted.split);
+        one["predicted_ms"] = f.predicted.ms;
+        one["predicted_mse"] = f.predicted.mse;
+        one["ms"] = f.ms;
+        one["psnr_db"] = std::isinf(f.psnrDb) ? Json() : Json(f.psnrDb);
+        json["finalists"].push_back(one);
+    }
+    json["samples"] = Json::array();
+    for (const budget::SplitSample& sample : tuning.samples) {
+        Json one = splitJson(sample.split);
+        one["ms"] = sample.ms;
+        one["mse"] = sample.mse;
+        json["samples"].push_back(one);
+    }
+    return json;
+}
+
+Result<budget::Levers> readSettings(const fs::path& file) {
+    std::ifstream in(file, std::ios::binary);
+    if (!in)
+        return fail(fmt::format("{}: cannot be read: give a file that lodestar calibrate wrote",
+                                printable(file.string())));
+    const Json json = Json::parse(in, nullptr, false);
+    if (json.is_discarded())
+        return fail(fmt::format("{}: is not JSON: give a file that lodestar calibrate wrote",
+                                printable(file.string())));
+    auto levers = leversIn(json);
+    if (!levers)
+        return fail(fmt::format("{}: {}: give a file that lodestar calibrate wrote",
+                                printable(file.string()), levers.error().message));
+    return levers;
+}
+
+}  // namespace lodestar::app
