@@ -6,6 +6,7 @@
 #include <lodestar/budget/levers.hpp>
 #include <lodestar/frame/light_maps.hpp>
 #include <lodestar/geometry/cull.hpp>
+#include <lodestar/geometry/show_lods.hpp>
 #include <lodestar/post/tonemap.hpp>
 #include <lodestar/scene/camera.hpp>
 #include <lodestar/shading/coarse.hpp>
@@ -30,6 +31,9 @@ struct FrameSettings {
     float exposure = 1;                  ///< 0: metered on the first frame, and kept
     upsample::Reconstruct reconstruct = upsample::Reconstruct::bilateral;
     upsample::Sigmas sigmas;
+    geometry::CullMode cull = geometry::CullMode::frustum;
+    geometry::LodChoice lod;
+    bool showLods = false;  ///< colour the picture by level of detail
 };
 
 /// The whole frame: owns the targets, composes the passes.
@@ -49,12 +53,15 @@ public:
     /// RGBA16_SFLOAT: share of the sun seen, share of the sky seen.
     const gpu::Image& terms() const { return termImage; }
     const geometry::DrawList& drawList() const { return eyeList; }
+    /// Forgets the last picture, which is otherwise used to guess what hides what.
+    void resetOcclusion() { hiz.reset(); }
     /// As given; the exposure as in use.
     const FrameSettings& settings() const { return options; }
 
 private:
     void meter(const scene::Camera&);
     void writeUniforms(const scene::Camera&);
+    void findVisible(const geometry::CullView&);
 
     const gpu::Device* device;
     const scene::GpuScene* scene;
@@ -66,6 +73,7 @@ private:
     float aspect;
 
     geometry::Cull cull;
+    geometry::ShowLods showLods;
     visibility::CaptureSs capture;
     visibility::Rebuild rebuild;
     shading::Coarse coarse;
@@ -74,6 +82,7 @@ private:
     post::Tonemap tonemap;
 
     geometry::DrawList eyeList;
+    geometry::HiZ hiz;
     LightMaps lightMaps;
     gpu::Buffer viewBuffer, lightBuffer;
     gpu::Image idImage, depthBuffer, skyImage, coarseImage, termImage, radianceImage, displayImage;

@@ -65,7 +65,8 @@ void LightMaps::draw(gpu::Recorder& rec, const scene::GpuScene& scene, const geo
                 {.clipFromWorld = view.clipFromWorld,
                  .size = map.extent,
                  .perspective = false,
-                 .keepBeforeNear = true},
+                 .keepBeforeNear = true,
+                 .lod = options.lod},
                 list);
     rec.barrier(Stage::compute, Stage::raster);
     rec.barrier(Stage::compute, Stage::indirect);

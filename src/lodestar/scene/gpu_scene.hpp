@@ -8,6 +8,7 @@
 #include <lodestar/scene/gpu_types.h>
 #include <lodestar/gpu/buffer.hpp>
 #include <lodestar/gpu/image.hpp>
+#include <lodestar/scene/mesh_lods.hpp>
 #include <lodestar/scene/scene.hpp>
 
 namespace lodestar::scene {
@@ -30,13 +31,21 @@ struct SceneFeatures {
     bool punctualLights = false;
 };
 
-/// A scene in GPU memory: vertices, meshlets, instances, clusters, materials, texture arrays.
+/// The most a view can list, whatever the scene holds: what the lists of a frame may take in
+/// memory. What does not fit is left out and counted (geometry::CullCounts).
+inline constexpr std::uint64_t kMaxVisibleClusters = 1 << 21;
+inline constexpr std::uint64_t kMaxVisibleTriangles = 1 << 25;
+
+/// A scene in GPU memory: vertices, levels of detail, meshlets, instances, materials, texture
+/// arrays.
 class GpuScene {
 public:
-    /// Cuts the meshes into meshlets, builds the texture mips and uploads everything.
-    /// `progress` (may be empty) hears of each step: what, done, of how many.
+    /// Builds (or finds in the cache) the levels of detail, builds the texture mips and uploads
+    /// everything. `progress` (may be empty) hears of each step: what, done, of how many. Throws
+    /// std::invalid_argument for more than LS_MAX_INSTANCES instances.
     GpuScene(const gpu::Device&, const Scene&,
-             const std::function<void(const char*, int, int)>& progress = {});
+             const std::function<void(const char*, int, int)>& progress = {},
+             const LodSettings& lods = {});
 
     /// Moves the instances to where the animation has them at `seconds`. Waits for the device.
     void animate(float seconds);
@@ -50,17 +59,28 @@ public:
     /// this stays.
     std::uint64_t version() const { return changes; }
 
-    std::uint32_t clusterCount() const { return clustersUsed; }  ///< including the unused cluster 0
-    std::uint32_t triangleCount() const { return trianglesDrawn; }  ///< of all clusters
+    /// Meshlets and triangles of all instances at the finest level.
+    std::uint64_t clusterCount() const { return clustersDrawn; }
+    std::uint64_t triangleCount() const { return trianglesDrawn; }
+    /// Places in `clusters`, with the unused one at 0; triangles a view can list.
+    std::uint32_t clusterCapacity() const;
+    std::uint32_t triangleCapacity() const;
+    std::size_t lodCount() const { return lodsMost; }  ///< of the mesh that has most
     std::uint32_t instanceCount() const {
         return static_cast<std::uint32_t>(source->instances.size());
     }
-    /// First cluster of each bin; the last entry is clusterCount().
+    std::uint32_t chunkCount() const { return bins.back(); }
+    /// First chunk of instances of each bin; the last entry is chunkCount().
     const std::array<std::uint32_t, kDrawBins + 1>& binStarts() const { return bins; }
     std::uint32_t lightCount() const { return lightsUsed; }
 
-    gpu::TexelBuffer vertices, attributes, triangles, meshlets, instances, clusters,
-        materials;               ///< the records of gpu_types.h
+    gpu::TexelBuffer vertices, attributes, triangles, meshlets, instances, materials, meshes, lods,
+        chunks;                    ///< the records of gpu_types.h
+    gpu::TexelBuffer drawOrder;    ///< numbers of the instances, those of a chunk together
+    /// What ids name: GpuCluster records of the visible clusters of the view that was culled last,
+    /// written on the device by geometry::Cull. One table serves all views of a scene, so whoever
+    /// reads ids must do so before another view is culled.
+    gpu::TexelBuffer clusters;
     gpu::TexelBuffer secondUvs;  ///< vec2 a vertex; a dummy where no material uses them
     gpu::Buffer lights;
     std::vector<gpu::Image> textureArrays;  ///< at least one, so that bindings are never empty
@@ -71,6 +91,7 @@ private:
     struct Packed;
     GpuScene(const gpu::Device&, const Scene&, Packed&&);
     std::vector<shared::GpuInstance> packInstances() const;
+    std::vector<shared::GpuChunk> packChunks() const;
     std::vector<shared::GpuLight> packLights() const;
 
     const Scene* source;
@@ -78,7 +99,11 @@ private:
     Bounds worldBox;
     SceneFeatures sceneFeatures;
     std::array<std::uint32_t, kDrawBins + 1> bins{};
-    std::uint32_t clustersUsed = 0, trianglesDrawn = 0, lightsUsed = 0;
+    std::vector<std::uint32_t> order;   ///< what drawOrder holds
+    std::vector<glm::uvec2> chunkSpans;  ///< first and count of each chunk, in `order`
+    std::uint64_t clustersDrawn = 0, trianglesDrawn = 0;
+    std::size_t lodsMost = 1;
+    std::uint32_t lightsUsed = 0;
     std::uint64_t changes = 0;
 };
 
