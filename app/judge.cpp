@@ -59,10 +59,12 @@ Json countsOf(const Session& session, const frame::Frame& frame) {
 
     // Triangles by level: each id's cluster says its level.
     std::vector<std::uint64_t> perLod(scene.lodCount());
-    if (triangles > 0) {
+    std::uint64_t listed = 0;  // triangles of the visible meshlets, before each is tested
+    if (visible > 0) {
         const auto clusters = gpu::as<shared::GpuCluster>(
             gpu::readBuffer(device, scene.clusters.buffer(),
                             sizeof(shared::GpuCluster) * (std::size_t{visible} + 1)));
+        for (std::size_t c = 1; c <= visible; ++c) listed += clusters[c].triangleCount;
         for (const auto id : gpu::as<std::uint32_t>(
                  gpu::readBuffer(device, list.ids.buffer(), 4ull * triangles)))
             ++perLod[clusters[id >> shared::LS_TRIANGLE_BITS].lod];
@@ -75,6 +77,7 @@ Json countsOf(const Session& session, const frame::Frame& frame) {
             {"clusters_total", scene.clusterCount()},
             {"clusters_visible", visible},
             {"triangles_total", scene.triangleCount()},
+            {"triangles_listed", listed},
             {"triangles_visible", triangles},
             {"triangles_per_lod", perLod},
             {"dropped", dropped}};  // over the capacity of the lists: missing in the picture

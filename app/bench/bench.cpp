@@ -47,7 +47,7 @@ void printRows(const Json& rows, const std::string& measures,
                const std::vector<std::string>& keys) {
     std::vector<Table::Column> columns;
     for (const std::string& key : keys) {
-        const bool text = key == "scene" || key == "camera" || key == "method" || key == "path";
+        const bool text = key == "scene" || key == "camera" || key == "method" || key == "path" || key == "culling" || key == "lod";
         columns.push_back({headingOf(key), text ? Table::Align::left : Table::Align::right});
     }
     Table table(columns);
@@ -100,7 +100,8 @@ std::string csvCell(const Json& value) {
 }  // namespace
 
 const std::vector<Bench>& benches() {
-    static const std::vector<Bench> all{shadingRateBench(), budgetHoldBench()};
+    static const std::vector<Bench> all{shadingRateBench(), budgetHoldBench(), geometryLodBench(),
+                                        cullingScaleBench(), lodQualityBench()};
     return all;
 }
 
@@ -115,6 +116,8 @@ Result<std::vector<BenchCase>> benchCases(const BenchOptions& options,
                                           const std::vector<BenchCase>& defaults) {
     if (!options.scene.empty())
         return std::vector{BenchCase{options.scene, options.view.camera, options.path}};
+    const auto inFolder = [](const BenchCase& one) { return !one.scene.starts_with("builtin:"); };
+    if (std::none_of(defaults.begin(), defaults.end(), inFolder)) return defaults;
     fs::path folder = options.scenes;
     if (folder.empty())
         if (const char* given = std::getenv("LODESTAR_SCENES")) folder = given;
@@ -124,6 +127,7 @@ Result<std::vector<BenchCase>> benchCases(const BenchOptions& options,
             "another scene with --scene, or a built-in one with --quick");
     std::vector<BenchCase> cases = defaults;
     for (BenchCase& one : cases) {
+        if (!inFolder(one)) continue;
         const fs::path file = folder / one.scene;
         std::error_code ignored;
         if (!fs::exists(file, ignored))
@@ -224,7 +228,8 @@ void addBench(CLI::App& app, int& exitCode) {
         "bench", "measure one figure or table; `lodestar bench list` names them");
     std::vector<std::string> names{"list"};
     for (const Bench& bench : benches()) names.push_back(bench.name);
-    command->add_option("NAME", *name, "list, or the bench to run: shading-rate, budget-hold")
+    command->add_option("NAME", *name, "list, or the bench to run: shading-rate, budget-hold, geometry-lod, "
+                     "culling-scale, lod-quality")
         ->type_name("")
         ->required()
         ->check(CLI::IsMember(names));

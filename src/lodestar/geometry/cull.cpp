@@ -184,27 +184,36 @@ void Cull::record(gpu::Recorder& rec, const scene::GpuScene& scene, const CullVi
                   DrawList& list) const {
     if (view.cull == CullMode::hiz)
         throw std::invalid_argument("Cull::record: CullMode::hiz takes two phases");
-    const auto pass = rec.pass("cull");
-    start(rec, scene, view, list, nullptr);
-    phase(rec, scene, list, 0, noPyramid);
+    {
+        const auto pass = rec.pass("cull");
+        start(rec, scene, view, list, nullptr);
+        listClusters(rec, scene, list, 0, noPyramid);
+    }
+    const auto pass = rec.pass("cull triangles");
+    listTriangles(rec, scene, list, 0);
 }
 
 void Cull::recordFirst(gpu::Recorder& rec, const scene::GpuScene& scene, const CullView& view,
                        DrawList& list, const HiZ& hiz) const {
     if (hiz.size() != view.size)
         throw std::invalid_argument("Cull::recordFirst: the Hi-Z is of another size");
-    const auto pass = rec.pass("cull");
-    CullView hidden = view;
-    hidden.cull = CullMode::hiz;
-    start(rec, scene, hidden, list, &hiz);
-    phase(rec, scene, list, 0, hiz.pyramid());
+    {
+        const auto pass = rec.pass("cull");
+        CullView hidden = view;
+        hidden.cull = CullMode::hiz;
+        start(rec, scene, hidden, list, &hiz);
+        listClusters(rec, scene, list, 0, hiz.pyramid());
+    }
+    const auto pass = rec.pass("cull triangles");
+    listTriangles(rec, scene, list, 0);
 }
 
 void Cull::recordSecond(gpu::Recorder& rec, const scene::GpuScene& scene, DrawList& list,
                         const HiZ& hiz) const {
     const auto pass = rec.pass("cull rest");
     rec.barrier(Stage::compute, Stage::compute);
-    phase(rec, scene, list, 1, hiz.pyramid());
+    listClusters(rec, scene, list, 1, hiz.pyramid());
+    listTriangles(rec, scene, list, 1);
 }
 
 /// Values that `list` counts become what is before each; their total, times `times`, the length of
@@ -259,14 +268,14 @@ void Cull::start(gpu::Recorder& rec, const scene::GpuScene& scene, const CullVie
     rec.barrier(Stage::compute, Stage::compute);
 }
 
-void Cull::phase(gpu::Recorder& rec, const scene::GpuScene& scene, DrawList& list,
-                 std::uint32_t number, const gpu::TexelBuffer& pyramid) const {
+/// The instances of the visible chunks, then their meshlets: those that are visible go to the
+/// scene's table.
+void Cull::listClusters(gpu::Recorder& rec, const scene::GpuScene& scene, DrawList& list,
+                        std::uint32_t number, const gpu::TexelBuffer& pyramid) const {
     const bool second = number == 1;
     const std::uint32_t candidates =
         second ? shared::LS_LIST_CANDIDATES_2 : shared::LS_LIST_CANDIDATES;
     const std::uint32_t clusters = second ? shared::LS_LIST_CLUSTERS_2 : shared::LS_LIST_CLUSTERS;
-    const std::uint32_t triangles =
-        second ? shared::LS_LIST_TRIANGLES_2 : shared::LS_LIST_TRIANGLES;
     const gpu::TexelBuffer& offsets = second ? list.secondOffsets : list.firstOffsets;
     const shared::PhaseParams phase{.phase = number};
 
@@ -303,7 +312,16 @@ void Cull::phase(gpu::Recorder& rec, const scene::GpuScene& scene, DrawList& lis
                                  scene.clusters.buffer(), list.triangleOffsets, list.masks}),
         TotalledPhase{phase, list.clusterPlaces});
     rec.barrier(Stage::compute, Stage::compute);
+}
 
+/// The triangles of the clusters listed, tested, and the draws of those that remain.
+void Cull::listTriangles(gpu::Recorder& rec, const scene::GpuScene& scene, DrawList& list,
+                         std::uint32_t number) const {
+    const bool second = number == 1;
+    const std::uint32_t clusters = second ? shared::LS_LIST_CLUSTERS_2 : shared::LS_LIST_CLUSTERS;
+    const std::uint32_t triangles =
+        second ? shared::LS_LIST_TRIANGLES_2 : shared::LS_LIST_TRIANGLES;
+    const shared::PhaseParams phase{.phase = number};
     rec.dispatchIndirect(
         cullTriangles, list.counts, at(clusters, kSlots),
         scene::withScene(scene, {list.params, list.counts, list.masks, list.triangleOffsets}),

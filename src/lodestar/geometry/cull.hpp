@@ -74,8 +74,10 @@ public:
 private:
     void start(gpu::Recorder&, const scene::GpuScene&, const CullView&, DrawList&,
                const HiZ*) const;
-    void phase(gpu::Recorder&, const scene::GpuScene&, DrawList&, std::uint32_t number,
-               const gpu::TexelBuffer& pyramid) const;
+    void listClusters(gpu::Recorder&, const scene::GpuScene&, DrawList&, std::uint32_t phase,
+                      const gpu::TexelBuffer& pyramid) const;
+    void listTriangles(gpu::Recorder&, const scene::GpuScene&, DrawList&,
+                       std::uint32_t phase) const;
     void scan(gpu::Recorder&, const gpu::Buffer& values, const DrawList&,
               const shared::ScanParams&) const;
 

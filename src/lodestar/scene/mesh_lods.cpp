@@ -51,13 +51,13 @@ std::size_t half(const Indices& indices) {
 
 /// Borders are locked, so that meshes that meet at one (the primitives of an object) still do.
 /// Vertices split at a seam of attributes are moved together by meshoptimizer.
-Attempt collapsed(const Mesh& mesh, const Indices& from, float scale) {
+Attempt collapsed(const float* positions, std::size_t count, std::size_t stride,
+                  const Indices& from, float scale) {
     Attempt attempt{Indices(from.size())};
     float error = 0;
     attempt.indices.resize(meshopt_simplify(attempt.indices.data(), from.data(), from.size(),
-                                            positionsOf(mesh), mesh.vertices.size(), sizeof(Vertex),
-                                            half(from), kAnyError, meshopt_SimplifyLockBorder,
-                                            &error));
+                                            positions, count, stride, half(from), kAnyError,
+                                            meshopt_SimplifyLockBorder, &error));
     attempt.error = error * scale;
     return attempt;
 }
@@ -76,14 +76,17 @@ public:
             if (placeOf[v] == ~0u) continue;  // no triangle has it
             next[v] = first[placeOf[v]];
             first[placeOf[v]] = v;
+            places = std::max<std::size_t>(places, placeOf[v] + 1);
         }
+        for (std::size_t place = 0; place < places; ++place)
+            positions.push_back(m.vertices[first[place]].position);
     }
 
     Attempt collapsed(const Indices& from, float scale) const {
         Indices welded(from.size());
         std::transform(from.begin(), from.end(), welded.begin(),
-                       [&](std::uint32_t v) { return first[placeOf[v]]; });
-        Attempt attempt = scene::collapsed(*mesh, welded, scale);
+                       [&](std::uint32_t v) { return placeOf[v]; });
+        Attempt attempt = scene::collapsed(&positions[0].x, places, sizeof(glm::vec3), welded, scale);
         for (std::size_t i = 0; i < attempt.indices.size(); i += 3)
             unweld(&attempt.indices[i]);
         return attempt;
@@ -91,21 +94,25 @@ public:
 
 private:
     void unweld(std::uint32_t* triangle) const {
-        const auto at = [&](int i) { return mesh->vertices[triangle[i]].position; };
+        const auto at = [&](int i) { return positions[triangle[i]]; };
         const glm::vec3 normal = glm::cross(at(1) - at(0), at(2) - at(0));
+        std::array<std::uint32_t, 3> own;
         for (int i = 0; i < 3; ++i) {
-            std::uint32_t best = triangle[i];
+            std::uint32_t best = first[triangle[i]];
             float bestFit = -INFINITY;
-            for (std::uint32_t v = first[placeOf[triangle[i]]]; v != kNone; v = next[v]) {
+            for (std::uint32_t v = best; v != kNone; v = next[v]) {
                 const float fit = glm::dot(normal, mesh->vertices[v].normal);
                 if (fit > bestFit) bestFit = fit, best = v;
             }
-            triangle[i] = best;
+            own[i] = best;
         }
+        std::copy(own.begin(), own.end(), triangle);
     }
 
     const Mesh* mesh;
     Indices placeOf, first, next;  // vertices at one place as a list
+    std::size_t places = 0;
+    std::vector<glm::vec3> positions;
 };
 
 /// The vertex of a triangle list that is nearest to a point: a kd-tree.
@@ -380,14 +387,18 @@ MeshLods buildMeshLods(const Mesh& mesh, bool textured) {
     Indices now = mesh.indices;
     while (lods.levels.size() < kMaxLods && now.size() / 3 > kFewest) {
         const MeshLod& finer = lods.levels.back();
-        Attempt attempt = collapsed(mesh, now, scale);
+        Attempt attempt;
         LodMethod method = LodMethod::simplified;
-        attempt.error += finer.offPlace;  // from the level before, which has its own
-        if (!gains(attempt, now) && weld) {
-            if (!welded) welded.emplace(mesh);
-            attempt = welded->collapsed(now, scale);
-            attempt.error += finer.offPlace;
-            method = LodMethod::welded;
+        // Clusters have lost the borders and seams; what follows them is clustered too.
+        if (finer.method != LodMethod::sloppy) {
+            attempt = collapsed(positionsOf(mesh), mesh.vertices.size(), sizeof(Vertex), now, scale);
+            attempt.error += finer.offPlace;  // from the level before, which has its own
+            if (!gains(attempt, now) && weld) {
+                if (!welded) welded.emplace(mesh);
+                attempt = welded->collapsed(now, scale);
+                attempt.error += finer.offPlace;
+                method = LodMethod::welded;
+            }
         }
         if (!gains(attempt, now)) {
             attempt = clustered(mesh, half(now));
