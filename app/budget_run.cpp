@@ -10,14 +10,20 @@
 
 namespace lodestar::app {
 
-Calibration calibrate(frame::Frame& frame, const scene::Camera& camera, int rounds) {
+Calibration calibrate(frame::Frame& frame, const scene::Camera& camera,
+                      const budget::Levers& levers, int rounds) {
     constexpr std::array kRates{1.0f, 2.0f, 4.0f};
+    const auto at = [&](float rate) {
+        budget::Levers changed = levers;
+        changed.shadingRate = rate;
+        return changed;
+    };
     std::array<std::vector<double>, kRates.size()> times;
     Progress bar("calibrating", kRates.size() * static_cast<std::size_t>(rounds + 1));
     std::size_t done = 0;
     for (int round = -1; round < rounds; ++round)  // the first is the warm-up
         for (std::size_t i = 0; i < kRates.size(); ++i) {
-            const double ms = frame.render(camera, {.shadingRate = kRates[i]}).gpuMs;
+            const double ms = frame.render(camera, at(kRates[i])).gpuMs;
             if (round >= 0) times[i].push_back(ms);
             bar.update(++done);
         }
@@ -29,7 +35,7 @@ Run renderRun(const Session& session, frame::Frame& frame, const scene::Camera& 
               const RunOptions& options, const std::function<Result<void>(std::size_t)>& afterFrame,
               Result<void>& outcome) {
     Run run;
-    budget::Levers levers{.shadingRate = options.shadingRate};
+    budget::Levers levers = options.levers;
     std::optional<budget::YangController> controller;
     if (options.targetMs) {
         budget::YangSettings settings{.targetMs = *options.targetMs,
@@ -51,7 +57,7 @@ Run renderRun(const Session& session, frame::Frame& frame, const scene::Camera& 
         run.lastRate = levers.shadingRate;
         if (controller) {
             run.trace.add({levers.shadingRate, costs.gpuMs, *options.targetMs});
-            levers = controller->next(costs);
+            levers.shadingRate = controller->next(costs).shadingRate;
             run.saturated = controller->saturated();
         }
         // Samples: the last frame of each of `samples` equal parts of the run.

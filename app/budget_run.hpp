@@ -19,8 +19,8 @@ struct Calibration {
     budget::CostModel model;  ///< through the medians at r = 2 and r = 4
 };
 
-/// Renders at r = 1, 2 and 4 in turn, `rounds` times after a warm-up.
-Calibration calibrate(frame::Frame&, const scene::Camera&, int rounds);
+/// Renders at r = 1, 2 and 4 in turn, the other levers as given, `rounds` times after a warm-up.
+Calibration calibrate(frame::Frame&, const scene::Camera&, const budget::Levers&, int rounds);
 
 /// A frame of a run kept for judging.
 struct Sample {
@@ -41,7 +41,7 @@ struct RunOptions {
     std::size_t frames = 1;
     CameraPath path;
     double fps = 60;                 ///< animation time advances by 1/fps a frame
-    float shadingRate = 1;           ///< where there is no budget
+    budget::Levers levers;           ///< under a budget only their proportions count
     std::optional<double> targetMs;  ///< hold this frame time
     Calibration calibration;         ///< used with a target
     std::size_t samples = 0;         ///< pictures to keep, evenly over the run

@@ -15,7 +15,8 @@ namespace lodestar::app {
 namespace {
 
 constexpr const char* kGroup = "Shading";
-constexpr float kMetered = 0;  // of FrameSettings::exposure
+constexpr std::uint32_t kOctaves = 6;  // of noise where it is asked for by name
+constexpr float kMetered = 0;          // of FrameSettings::exposure
 
 Result<upsample::Reconstruct> parseReconstruct(const std::string& text) {
     const auto& names = upsample::kReconstructNames;
@@ -24,6 +25,34 @@ Result<upsample::Reconstruct> parseReconstruct(const std::string& text) {
     std::string list;
     for (const auto name : names) list += (list.empty() ? "" : ", ") + std::string(name);
     return fail("'" + text + "' is no filter: one of " + list);
+}
+
+std::vector<std::string> splitList(const std::string& text) {
+    std::vector<std::string> parts;
+    for (std::size_t begin = 0; begin <= text.size();) {
+        const std::size_t end = std::min(text.find(',', begin), text.size());
+        parts.push_back(text.substr(begin, end - begin));
+        begin = end + 1;
+    }
+    return parts;
+}
+
+Result<budget::Term> termNamed(const std::string& name) {
+    const auto& names = budget::kTermNames;
+    const auto found = std::find(names.begin(), names.end(), name);
+    if (found != names.end()) return budget::Term(found - names.begin());
+    return fail("'" + name + "' is no term of the shading: one of shadow, ao, noise");
+}
+
+Result<std::array<bool, budget::kTerms>> parseTerms(const std::string& text) {
+    std::array<bool, budget::kTerms> chosen{};
+    if (text == "none") return chosen;
+    for (const std::string& name : splitList(text)) {
+        const auto term = termNamed(name);
+        if (!term) return tl::unexpected(term.error());
+        chosen[std::size_t(*term)] = true;
+    }
+    return chosen;
 }
 
 Result<float> parseSigma(const std::string& text) {
@@ -38,6 +67,37 @@ Result<float> parseExposure(const std::string& text) {
     const Result<double> number = parseNumber(text);
     if (number && *number > 0) return static_cast<float>(*number);
     return fail("'" + text + "' is no exposure: give a number above 0, or auto");
+}
+
+Result<double> parseRate(const std::string& text) {
+    const Result<double> number = parseNumber(text);
+    if (number && *number >= 1 && *number <= 64) return number;
+    return fail("'" + text + "' is no shading rate: give a number from 1 to 64");
+}
+
+/// `4`, or `shadow=4,ao=2` with the terms not named at 1.
+Result<budget::Levers> parseRates(const std::string& text) {
+    budget::Levers levers;
+    if (text.find('=') == std::string::npos) {
+        const auto rate = parseRate(text);
+        if (!rate) return tl::unexpected(rate.error());
+        levers.shadingRate = static_cast<float>(*rate);
+        return levers;
+    }
+    std::array<float, budget::kTerms> rates;
+    rates.fill(1);
+    for (const std::string& part : splitList(text)) {
+        const std::size_t equals = part.find('=');
+        const auto term = termNamed(part.substr(0, equals));
+        if (!term) return tl::unexpected(term.error());
+        const auto rate = parseRate(equals == std::string::npos ? "" : part.substr(equals + 1));
+        if (!rate) return tl::unexpected(rate.error());
+        rates[std::size_t(*term)] = static_cast<float>(*rate);
+    }
+    levers.shadingRate = *std::max_element(rates.begin(), rates.end());
+    for (std::size_t i = 0; i < budget::kTerms; ++i)
+        levers.split[i] = levers.shadingRate > 1 ? (rates[i] - 1) / (levers.shadingRate - 1) : 1.0f;
+    return levers;
 }
 
 /// Azimuth (clockwise from −z, seen from above) and elevation, in degrees.
@@ -64,11 +124,70 @@ std::string nameOf(upsample::Reconstruct kind) {
     return std::string(upsample::kReconstructNames[static_cast<std::size_t>(kind)]);
 }
 
+void addLeverOptions(CLI::App& app, budget::Levers& levers) {
+    levers.repair = kRepair;
+    addParsed(
+        app, "--shading-rate", levers,
+        [share = levers.repair](const std::string& text) {
+            auto parsed = parseRates(text);
+            if (parsed) parsed->repair = share;
+            return parsed;
+        },
+        "r of the coarse terms, all of them or one by one as in shadow=4,ao=2; 1 = full quality. "
+        "Under a budget the proportions stay")
+        ->type_name("R")
+        ->default_str("1")
+        ->group(kGroup);
+    app.add_option_function<double>(
+           "--repair", [&levers](double share) { levers.repair = static_cast<float>(share); },
+           "share of the pixels at most whose coarse terms are evaluated anew, where the coarse "
+           "grid "
+           "missed what they show; 0: none")
+        ->type_name("SHARE")
+        ->check(CLI::Range(0.0, 1.0))
+        ->default_str("0.02")
+        ->group(kGroup);
+}
+
+Json leversJson(const budget::Levers& levers) {
+    Json rates;
+    for (std::size_t i = 0; i < budget::kTerms; ++i)
+        rates[std::string(budget::kTermNames[i])] = levers.rate(budget::Term(i));
+    return {{"shading_rate", levers.shadingRate}, {"rates", rates}, {"repair", levers.repair}};
+}
+
 void addFrameOptions(CLI::App& app, frame::FrameSettings& settings) {
     addGeometryOptions(app, settings);
+    addParsed(
+        app, "--terms", settings,
+        [&settings](const std::string& text) -> Result<frame::FrameSettings> {
+            const auto chosen = parseTerms(text);
+            if (!chosen) return tl::unexpected(chosen.error());
+            frame::FrameSettings changed = settings;
+            if (!(*chosen)[std::size_t(budget::Term::shadow)]) changed.shadowTaps = 0;
+            if (!(*chosen)[std::size_t(budget::Term::ao)]) changed.skyViews = 0;
+            const bool noise = (*chosen)[std::size_t(budget::Term::noise)];
+            changed.noiseOctaves = noise ? std::max(changed.noiseOctaves, kOctaves) : 0;
+            return changed;
+        },
+        "the expensive terms that the shading has: shadow, ao, noise, or none")
+        ->type_name("TERM[,TERM]")
+        ->default_str("shadow,ao")
+        ->group(kGroup);
+    app.add_option("--noise-octaves", settings.noiseOctaves,
+                   "octaves of the procedural pattern on all surfaces; 0: none")
+        ->type_name("N")
+        ->check(CLI::Range(0, 12))
+        ->capture_default_str()
+        ->group(kGroup);
+    app.add_option("--noise-scale", settings.noiseScale,
+                   "size of the pattern's largest cells, in scene units; 0: chosen")
+        ->type_name("D")
+        ->check(CLI::NonNegativeNumber)
+        ->group(kGroup);
     addParsed(app, "--reconstruct", settings.reconstruct, parseReconstruct,
               "how coarse terms are brought to full size: bilateral (default), bilinear, "
-              "biquadratic, bicubic, gaussian or nearest")
+              "biquadratic, bicubic, gaussian, nearest or nearest-depth")
         ->type_name("FILTER")
         ->group(kGroup);
     addParsed(app, "--sigma-z", settings.sigmas.z, parseSigma,
@@ -139,6 +258,8 @@ Json settingsJson(const frame::FrameSettings& s) {
             {"ao_views", s.skyViews},
             {"ao_taps", s.skyTaps},
             {"ao_map_texels", s.skyMapSize},
+            {"noise_octaves", s.noiseOctaves},
+            {"noise_scale", s.noiseScale},
             {"to_sun", {s.toSun.x, s.toSun.y, s.toSun.z}},
             {"exposure", s.exposure == kMetered ? Json("auto") : Json(s.exposure)}};
 }

@@ -13,6 +13,13 @@ namespace lodestar::app {
 /// bench. `settings` must outlive the parsing; its size is set by the view options.
 void addFrameOptions(CLI::App&, frame::FrameSettings& settings);
 
+/// Share of the pixels that is repaired at most, where nothing else is asked for.
+inline constexpr float kRepair = 0.02f;
+
+/// Adds --shading-rate and --repair. `levers` must outlive the parsing.
+void addLeverOptions(CLI::App&, budget::Levers& levers);
+Json leversJson(const budget::Levers&);
+
 /// The settings as used, for --json.
 Json settingsJson(const frame::FrameSettings&);
 

@@ -79,6 +79,7 @@ Json countsOf(const Session& session, const frame::Frame& frame) {
             {"triangles_total", scene.triangleCount()},
             {"triangles_listed", listed},
             {"triangles_visible", triangles},
+            {"repaired_pixels", frame.repairedPixels()},
             {"triangles_per_lod", perLod},
             {"dropped", dropped}};  // over the capacity of the lists: missing in the picture
 }

@@ -32,7 +32,7 @@ struct Options {
     double fps = 60;
     std::optional<budget::Budget> budget;
     std::string controller = "yang";
-    double shadingRate = 1;
+    budget::Levers levers;
     std::vector<std::string> aovs;
     bool reference = false;
 };
@@ -99,8 +99,9 @@ void printSummary(const Options& options, const Outcome& outcome) {
         table.row({"within 5 %", percent(trace.shareWithin(0.05, settling)), ""});
         table.row({"r turns around in", percent(trace.turnShare(settling)), "of the frames"});
     } else {
-        table.row({"frame", formatMs(outcome.frameMs),
-                   fmt::format("median of {}, r = {:.2f}", options.frames, options.shadingRate)});
+        table.row(
+            {"frame", formatMs(outcome.frameMs),
+             fmt::format("median of {}, r = {:.2f}", options.frames, options.levers.shadingRate)});
     }
     if (outcome.quality) {
         const RunQuality& q = *outcome.quality;
@@ -127,7 +128,7 @@ Result<void> writeReport(const Options& options, const Session& session, const f
     Report report;
     describeDevice(session, report);
     report.settings = settingsJson(frame.settings());
-    report.settings["shading_rate"] = options.shadingRate;
+    report.settings.update(leversJson(options.levers));
     report.settings["frames"] = options.frames;
     report.passes = passes;
     report.frameMs = outcome.frameMs;
@@ -176,11 +177,12 @@ Result<void> run(Options options) {
         .frames = options.frames,
         .path = options.path,
         .fps = options.fps,
-        .shadingRate = static_cast<float>(options.shadingRate),
+        .levers = options.levers,
         .samples = options.reference ? std::min<std::size_t>(options.frames, 12) : 0};
     Outcome outcome;
     if (options.budget) {
-        outcome.calibration = calibrate(frame, options.path.at(*camera, 0, options.frames), 5);
+        outcome.calibration =
+            calibrate(frame, options.path.at(*camera, 0, options.frames), options.levers, 5);
         runOptions.calibration = outcome.calibration;
         outcome.targetMs = options.budget->targetMs(outcome.calibration.fullMs);
         if (options.controller != "none") runOptions.targetMs = outcome.targetMs;
@@ -282,13 +284,7 @@ void addRender(CLI::App& app, int& exitCode) {
         ->add_flag("--reference", o->reference,
                    "also render at full quality and report PSNR, SSIM and FLIP against it")
         ->group("Run");
-    command
-        ->add_option("--shading-rate", o->shadingRate,
-                     "r of the coarse terms where there is no budget; 1 = full quality")
-        ->type_name("R")
-        ->check(CLI::Range(1.0, 64.0))
-        ->capture_default_str()
-        ->group("Shading");
+    addLeverOptions(*command, o->levers);
     addFrameOptions(*command, o->settings);
     addParsed(*command, "--aov", o->aovs, parseAovs,
               "also write these as EXR beside --out: depth, normal, albedo, roughness, metallic, "

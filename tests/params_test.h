@@ -39,6 +39,8 @@ struct AllParams {
     GpuLightView lightView;
     LightParams light;
     UpsampleParams upsample;
+    RepairHeader repair;
+    RepairSelectParams repairSelect;
     TonemapParams tonemap;
 };
 
@@ -48,6 +50,11 @@ LS_NAMESPACE_END
 // clang-format off
 #define LS_VISIT_3(VISIT, a) VISIT(a[0]) VISIT(a[1]) VISIT(a[2])
 #define LS_VISIT_5(VISIT, a) LS_VISIT_3(VISIT, a) VISIT(a[3]) VISIT(a[4])
+#define LS_VISIT_BINS_4(VISIT, a, i) \
+    VISIT(a[i]) VISIT(a[i + 1]) VISIT(a[i + 2]) VISIT(a[i + 3])
+#define LS_VISIT_BINS_16(VISIT, a, i) \
+    LS_VISIT_BINS_4(VISIT, a, i) LS_VISIT_BINS_4(VISIT, a, i + 4) \
+    LS_VISIT_BINS_4(VISIT, a, i + 8) LS_VISIT_BINS_4(VISIT, a, i + 12)
 #define LS_VISIT_VIEW(VISIT, a) \
     VISIT(a.u) VISIT(a.v) VISIT(a.depth) VISIT(a.toLight) VISIT(a.weight) VISIT(a.bias) \
     VISIT(a.planeScale)
@@ -110,18 +117,24 @@ LS_NAMESPACE_END
     VISIT(p.view.clipFromWorld) VISIT(p.view.viewFromWorld) VISIT(p.view.eye) \
     VISIT(p.view.clipScale) \
     VISIT(p.coarse.size) VISIT(p.coarse.fullSize) VISIT(p.coarse.rate) \
+    VISIT(p.coarse.terms) \
     LS_VISIT_VIEW(VISIT, p.lightView) \
     VISIT(p.light.toSun) VISIT(p.light.sunIlluminance) \
     LS_VISIT_5(VISIT, p.light.irradiance) VISIT(p.light.irradiance[5]) \
     VISIT(p.light.irradiance[6]) VISIT(p.light.irradiance[7]) VISIT(p.light.irradiance[8]) \
     VISIT(p.light.shadowTaps) VISIT(p.light.skyViewCount) VISIT(p.light.skyTaps) \
+    VISIT(p.light.noiseOctaves) VISIT(p.light.noiseFrequency) \
     VISIT(p.light.lightCount) VISIT(p.light.skyLevels) VISIT(p.light.exposure) \
     VISIT(p.light.perLux) \
     LS_VISIT_VIEWS_4(VISIT, p.light.views, 0) LS_VISIT_VIEWS_4(VISIT, p.light.views, 4) \
     LS_VISIT_VIEWS_4(VISIT, p.light.views, 8) \
     LS_VISIT_VIEWS_4(VISIT, p.light.views, 12) LS_VISIT_VIEW(VISIT, p.light.views[16]) \
     VISIT(p.upsample.size) VISIT(p.upsample.inverseRate) VISIT(p.upsample.depthFalloff) \
-    VISIT(p.upsample.normalFalloff) \
+    VISIT(p.upsample.normalFalloff) VISIT(p.upsample.terms) VISIT(p.upsample.repairAbove) VISIT(p.upsample.repairSpread) \
+    LS_VISIT_3(VISIT, p.repair.groups) VISIT(p.repair.listed) VISIT(p.repair.kept) \
+    VISIT(p.repair.cut) LS_VISIT_BINS_16(VISIT, p.repair.bins, 0) \
+    LS_VISIT_BINS_16(VISIT, p.repair.bins, 16) LS_VISIT_BINS_16(VISIT, p.repair.bins, 32) \
+    LS_VISIT_BINS_16(VISIT, p.repair.bins, 48) VISIT(p.repairSelect.most) \
     VISIT(p.tonemap.exposure)
 // clang-format on
 

@@ -161,8 +161,8 @@ public:
         capture.record(rec, gpuScene, eyeList, clipFromWorld, {ids, depth}, "capture");
         rec.barrier(Stage::raster, Stage::compute);
         const Coarse::Inputs inputs{ids, sunMap, skyMaps, viewBuffer, lightBuffer};
-        coarse.recordFull(rec, gpuScene, inputs, terms);
-        coarse.record(rec, gpuScene, inputs, rate, texels);
+        coarse.recordFull(rec, gpuScene, inputs, shared::LS_ALL_TERMS, terms);
+        coarse.record(rec, gpuScene, inputs, shared::LS_ALL_TERMS, rate, texels);
         rec.submit();
     }
 

@@ -15,9 +15,10 @@
 /// Inputs of the upsampling tests, rounded as the GPU's formats round them.
 namespace lodestar::upsample {
 
-inline constexpr std::array kAllKinds{Reconstruct::bilateral,   Reconstruct::bilinear,
-                                      Reconstruct::biquadratic, Reconstruct::bicubic,
-                                      Reconstruct::gaussian,    Reconstruct::nearest};
+inline constexpr std::array kAllKinds{Reconstruct::nearestDepth, Reconstruct::bilateral,
+                                      Reconstruct::bilinear,     Reconstruct::biquadratic,
+                                      Reconstruct::bicubic,      Reconstruct::gaussian,
+                                      Reconstruct::nearest};
 inline constexpr std::array kRates{1.0f, 1.37f, 2.0f, 3.5f, 7.3f};
 inline constexpr float kInfinity = std::numeric_limits<float>::infinity();
 

@@ -86,10 +86,11 @@ Result<void> measureScene(const BenchCase& what, const BenchOptions& options, Be
     const scene::Camera start = startOf(camera, *path);
     frame::Frame frame(*session.device, *session.gpuScene, options.settings);
     const Calibration calibration =
-        calibrate(frame, path->at(start, 0, options.frames), options.rounds);
+        calibrate(frame, path->at(start, 0, options.frames), {.repair = kRepair}, options.rounds);
     const double targetMs = options.budget.targetMs(calibration.fullMs);
     const RunOptions runOptions{.frames = options.frames,
                                 .path = *path,
+                                .levers = {.repair = kRepair},
                                 .targetMs = targetMs,
                                 .calibration = calibration,
                                 .samples = std::min(kSamples, options.frames)};

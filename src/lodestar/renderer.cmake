@@ -20,6 +20,7 @@ add_library(lodestar STATIC
     visibility/rebuild.cpp
     shading/coarse.cpp
     shading/combine.cpp
+    upsample/repair.cpp
     upsample/upsample.cpp
     post/tonemap.cpp
     frame/frame.cpp
@@ -49,6 +50,9 @@ lodestar_shaders(lodestar
     visibility/rebuild.comp
     shading/coarse.comp
     shading/combine.comp
+    shading/repair_terms.comp
+    upsample/repair_compact.comp
+    upsample/repair_cut.comp
     upsample/upsample.comp
     post/tonemap.comp
 )

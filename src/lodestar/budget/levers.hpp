@@ -1,16 +1,32 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <string>
+#include <string_view>
 #include <vector>
 
 /// The governor: pure C++, no Vulkan, no clock. It is told what a frame cost and says what the next
 /// may do.
 namespace lodestar::budget {
 
+/// The expensive, smooth terms of shading, each with its own rate.
+enum class Term { shadow, ao, noise };
+inline constexpr std::array<std::string_view, 3> kTermNames{"shadow", "ao", "noise"};
+inline constexpr std::size_t kTerms = kTermNames.size();
+
 /// What a frame may spend. Everything that decides writes this; everything that renders reads it.
 struct Levers {
     float shadingRate = 1;  ///< r of the coarse terms: grid S is ⌈W/r⌉ × ⌈H/r⌉; 1 = full quality
+    /// How much of the way from 1 to r each term goes: 0 = always fine, 1 = r.
+    std::array<float, kTerms> split{1, 1, 1};
+    /// At most this share of the pixels has its coarse terms evaluated anew, where no texel of S is
+    /// like the pixel; 0 = none.
+    float repair = 0;
+
+    float rate(Term term) const {
+        return 1 + (shadingRate - 1) * split[static_cast<std::size_t>(term)];
+    }
 };
 
 /// GPU time of one pass [ms].

@@ -6,7 +6,9 @@
 
 #include <glm/gtc/packing.hpp>
 
+#include <lodestar/shading/coarse_params.h>
 #include <lodestar/shading/light_params.h>
+#include <lodestar/upsample/upsample_params.h>
 #include <lodestar/visibility/view_params.h>
 #include <lodestar/gpu/readback.hpp>
 #include <lodestar/post/exposure.hpp>
@@ -55,6 +57,31 @@ glm::vec3 sunDirection(const scene::GpuScene& scene, const FrameSettings& settin
     return glm::normalize(settings.toSun);
 }
 
+/// Terms that share a grid S.
+struct RateGroup {
+    float rate;
+    shading::Coarse::Mask terms;
+};
+
+/// By rate, the coarsest first.
+std::vector<RateGroup> rateGroups(const budget::Levers& levers) {
+    std::vector<RateGroup> groups;
+    for (std::size_t i = 0; i < budget::kTerms; ++i) {
+        const float rate = levers.rate(budget::Term(i));
+        const shading::Coarse::Mask bit = 1u << i;
+        const auto same = std::find_if(groups.begin(), groups.end(), [&](const RateGroup& group) {
+            return std::abs(group.rate - rate) < 1e-3f;
+        });
+        if (same != groups.end())
+            same->terms |= bit;
+        else
+            groups.push_back({rate, bit});
+    }
+    std::sort(groups.begin(), groups.end(),
+              [](const RateGroup& a, const RateGroup& b) { return a.rate > b.rate; });
+    return groups;
+}
+
 float luminance(glm::vec3 color) {
     return glm::dot(color, glm::vec3(0.2126f, 0.7152f, 0.0722f));
 }
@@ -72,6 +99,9 @@ const FrameSettings& checked(const FrameSettings& s) {
     if (s.shadowTaps > 32) throw std::invalid_argument("FrameSettings::shadowTaps must be ≤ 32");
     if (s.shadowMapSize < 16 || s.shadowMapSize > 16384)
         throw std::invalid_argument("FrameSettings::shadowMapSize must be 16 … 16384");
+    if (s.noiseOctaves > 12)
+        throw std::invalid_argument("FrameSettings::noiseOctaves must be ≤ 12");
+    if (!(s.noiseScale >= 0)) throw std::invalid_argument("FrameSettings::noiseScale must be ≥ 0");
     if (!(s.exposure >= 0) || std::isinf(s.exposure))
         throw std::invalid_argument("FrameSettings::exposure must be ≥ 0");
     if (s.skyViews > shared::LS_MAX_SKY_VIEWS)
@@ -98,6 +128,7 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       rebuild(owner, gpuScene.features()),
       coarse(owner),
       upsample(owner, s.reconstruct),
+      repairSelect(owner),
       combine(owner, gpuScene.features()),
       tonemap(owner),
       eyeList(owner, gpuScene, "eye"),
@@ -109,6 +140,7 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
                  .shadows = s.shadowTaps > 0,
                  .shadowDistance = s.shadowDistance,
                  .lod = lightLods(s.lod)}),
+      repairList(owner, s.size),
       viewBuffer(owner, "view", sizeof(shared::ViewParams), gpu::Residence::mapped),
       lightBuffer(owner, "light", sizeof(shared::LightParams), gpu::Residence::mapped),
       idImage(target(owner, s.size, vk::Format::eR32Uint, "ids", Usage::eColorAttachment)),
@@ -147,21 +179,9 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
                  .cull = options.cull,
                  .lod = options.lod});
 
-    // The expensive terms on grid S, and what is exact on grid O.
-    const shading::Coarse::Inputs coarseInputs{idImage, lightMaps.sunMap(), lightMaps.skyMaps(),
-                                               viewBuffer, lightBuffer};
+    // What is exact on grid O, and the expensive terms on grids S.
     rebuild.record(rec, *scene, {idImage, viewBuffer}, surfaces);
-    if (levers.shadingRate > 1) {
-        coarse.record(rec, *scene, coarseInputs, levers.shadingRate, coarseImage);
-        rec.barrier(Stage::compute, Stage::compute);
-        upsample.record(
-            rec,
-            {coarseImage, surfaces.depth, surfaces.normal,
-             shading::coarseExtent(options.size, levers.shadingRate), levers.shadingRate},
-            options.sigmas, termImage);
-    } else {
-        coarse.recordFull(rec, *scene, coarseInputs, termImage);
-    }
+    evaluateTerms(levers);
     rec.barrier(Stage::compute, Stage::compute);
 
     combine.record(rec,
@@ -201,6 +221,49 @@ void Frame::findVisible(const geometry::CullView& view) {
     draw("capture rest", Phase::second);
 }
 
+void Frame::evaluateTerms(const budget::Levers& levers) {
+    const shading::Coarse::Inputs inputs{idImage, lightMaps.sunMap(), lightMaps.skyMaps(),
+                                         viewBuffer, lightBuffer};
+    const bool repairing = levers.repair > 0;
+    if (repairing) upsample::RepairSelect::clear(rec, repairList);
+    shading::Coarse::Mask written = 0, toRepair = 0;
+    for (const RateGroup& group : rateGroups(levers)) {
+        // The first group fills the image, the others replace their channels.
+        const auto mask = written == 0 ? shading::Coarse::Mask(shared::LS_ALL_TERMS) : group.terms;
+        if (written != 0) rec.barrier(Stage::compute, Stage::compute);
+        written |= group.terms;
+        if (group.rate == 1) {
+            coarse.recordFull(rec, *scene, inputs, mask, termImage);
+            continue;
+        }
+        // The coarsest grid misses most: it says which pixels are repaired, for all the terms.
+        const bool lists = repairing && toRepair == 0;
+        toRepair |= group.terms;
+        coarse.record(rec, *scene, inputs, group.terms, group.rate, coarseImage);
+        rec.barrier(Stage::compute, Stage::compute);
+        upsample.record(rec,
+                        {coarseImage, surfaces.depth, surfaces.normal,
+                         shading::coarseExtent(options.size, group.rate), group.rate},
+                        options.sigmas, termImage,
+                        {.channels = mask,
+                         .repair = lists ? &repairList : nullptr,
+                         .leastWeight = options.leastWeight});
+    }
+    listHolds = repairing && toRepair != 0;
+    if (!listHolds) return;
+    rec.barrier(Stage::compute, Stage::compute);
+    repairSelect.record(rec, repairList, levers.repair);
+    coarse.recordRepair(rec, *scene, inputs, toRepair, repairList, termImage);
+}
+
+std::uint32_t Frame::repairedPixels() const {
+    if (!listHolds) return 0;
+    return gpu::as<shared::RepairHeader>(
+               gpu::readBuffer(*device, repairList.header, sizeof(shared::RepairHeader)))
+        .front()
+        .kept;
+}
+
 /// Sets the exposure by what the camera sees at full quality.
 void Frame::meter(const scene::Camera& camera) {
     options.exposure = 1;
@@ -219,11 +282,15 @@ void Frame::writeUniforms(const scene::Camera& camera) {
         .eye = camera.eye,
         .clipScale = {clipFromView[0][0], clipFromView[1][1]}};
 
+    const float cell =
+        options.noiseScale > 0 ? options.noiseScale : std::max(scene->bounds().radius() / 8, 1e-6f);
     shared::LightParams light{.toSun = sky.toSun(),
                               .sunIlluminance = sunIlluminance,
                               .shadowTaps = options.shadowTaps,
                               .skyViewCount = options.skyViews,
                               .skyTaps = options.skyTaps,
+                              .noiseOctaves = options.noiseOctaves,
+                              .noiseFrequency = 1 / cell,
                               .lightCount = scene->lightCount(),
                               .skyLevels = shading::SkyMap::kLevels,
                               .exposure = options.exposure,

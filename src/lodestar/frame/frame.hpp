@@ -28,7 +28,10 @@ struct FrameSettings {
     std::uint32_t skyViews = 16;         ///< directions of ambient occlusion; 0 = none
     std::uint32_t skyTaps = 2;           ///< N of the N×N PCF of each
     std::uint32_t skyMapSize = 512;      ///< texels a side of each
-    float exposure = 1;                  ///< 0: metered on the first frame, and kept
+    std::uint32_t noiseOctaves = 0;      ///< of the pattern on all surfaces; 0 = none, at most 12
+    float noiseScale = 0;      ///< cells of its first octave [scene units]; 0 = 1/8 of the scene
+    float leastWeight = 0.1f;  ///< pixels reconstructed from less may be repaired
+    float exposure = 1;        ///< 0: metered on the first frame, and kept
     upsample::Reconstruct reconstruct = upsample::Reconstruct::bilateral;
     upsample::Sigmas sigmas;
     geometry::CullMode cull = geometry::CullMode::frustum;
@@ -52,6 +55,8 @@ public:
     const visibility::Surface& surface() const { return surfaces; }
     /// RGBA16_SFLOAT: share of the sun seen, share of the sky seen.
     const gpu::Image& terms() const { return termImage; }
+    /// Pixels of the last frame whose coarse terms were evaluated anew. Waits for the device.
+    std::uint32_t repairedPixels() const;
     const geometry::DrawList& drawList() const { return eyeList; }
     /// Forgets the last picture, which is otherwise used to guess what hides what.
     void resetOcclusion() { hiz.reset(); }
@@ -60,6 +65,7 @@ public:
 
 private:
     void meter(const scene::Camera&);
+    void evaluateTerms(const budget::Levers&);
     void writeUniforms(const scene::Camera&);
     void findVisible(const geometry::CullView&);
 
@@ -78,12 +84,15 @@ private:
     visibility::Rebuild rebuild;
     shading::Coarse coarse;
     upsample::Upsample upsample;
+    upsample::RepairSelect repairSelect;
     shading::Combine combine;
     post::Tonemap tonemap;
 
     geometry::DrawList eyeList;
     geometry::HiZ hiz;
     LightMaps lightMaps;
+    upsample::RepairList repairList;
+    bool listHolds = false;  ///< whether the last frame filled the list
     gpu::Buffer viewBuffer, lightBuffer;
     gpu::Image idImage, depthBuffer, skyImage, coarseImage, termImage, radianceImage, displayImage;
     visibility::Surface surfaces;

@@ -11,17 +11,40 @@ namespace {
 constexpr std::uint32_t kCode[] =
 #include <lodestar/shading/coarse.comp.inc>
     ;
+constexpr std::uint32_t kRepairCode[] =
+#include <lodestar/shading/repair_terms.comp.inc>
+    ;
 
 using gpu::Slot;
 
-gpu::Kernel makeKernel(const gpu::Device& device, bool full) {
-    return {device,
-            full ? "terms" : "coarse terms",
-            kCode,
-            scene::withSceneSlots({Slot::uniformBuffer, Slot::uniformBuffer, Slot::sampledImage,
-                                   Slot::sampledImage, Slot::sampledImage, Slot::storageImage}),
-            sizeof(shared::CoarseParams),
-            {full}};
+const std::vector<gpu::SlotArray> kInputSlots{Slot::uniformBuffer, Slot::uniformBuffer,
+                                              Slot::sampledImage,  Slot::sampledImage,
+                                              Slot::sampledImage,  Slot::storageImage};
+
+gpu::Kernel makeKernel(const gpu::Device& device, const char* name, bool full, bool merge) {
+    return {
+        device,       name, kCode, scene::withSceneSlots(kInputSlots), sizeof(shared::CoarseParams),
+        {full, merge}};
+}
+
+gpu::Kernel makeRepair(const gpu::Device& device) {
+    auto slots = kInputSlots;
+    slots.insert(slots.end(), 2, Slot::storageBuffer);
+    return {device, "repair terms", kRepairCode, scene::withSceneSlots(slots),
+            sizeof(shared::CoarseParams)};
+}
+
+std::vector<gpu::Binding> bindings(const Coarse::Inputs& in, const vk::raii::Sampler& sampler,
+                                   const gpu::View& out) {
+    return {in.view, in.light, {in.ids, sampler}, {in.sunMap, sampler}, {in.skyMaps, sampler}, out};
+}
+
+shared::CoarseParams paramsOf(vk::Extent2D full, float rate, Coarse::Mask terms) {
+    const vk::Extent2D size = coarseExtent(full, rate);
+    return {.size = {size.width, size.height},
+            .fullSize = {full.width, full.height},
+            .rate = rate,
+            .terms = terms};
 }
 
 }  // namespace
@@ -36,34 +59,34 @@ vk::Extent2D coarseExtent(vk::Extent2D full, float rate) {
 
 Coarse::Coarse(const gpu::Device& device)
     : pointSampler(device.vk(), vk::SamplerCreateInfo{}),
-      coarseKernel(makeKernel(device, false)),
-      fullKernel(makeKernel(device, true)) {}
+      coarse(makeKernel(device, "coarse terms", false, false)),
+      full(makeKernel(device, "terms", true, false)),
+      fullMerge(makeKernel(device, "some terms", true, true)),
+      repair(makeRepair(device)) {}
 
-void Coarse::record(gpu::Recorder& rec, const scene::GpuScene& scene, const Inputs& in, float rate,
-                    gpu::View coarse) const {
-    recordWith(rec, coarseKernel, scene, in, rate, coarse);
+void Coarse::record(gpu::Recorder& rec, const scene::GpuScene& scene, const Inputs& in, Mask terms,
+                    float rate, gpu::View out) const {
+    const auto pass = rec.pass("terms");
+    rec.dispatch(coarse, gpu::groups8x8(coarseExtent(in.ids.extent, rate)),
+                 scene::withScene(scene, bindings(in, pointSampler, out)),
+                 paramsOf(in.ids.extent, rate, terms));
 }
 
 void Coarse::recordFull(gpu::Recorder& rec, const scene::GpuScene& scene, const Inputs& in,
-                        gpu::View terms) const {
-    recordWith(rec, fullKernel, scene, in, 1, terms);
+                        Mask terms, gpu::View out) const {
+    const auto pass = rec.pass("terms");
+    rec.dispatch(terms == shared::LS_ALL_TERMS ? full : fullMerge, gpu::groups8x8(in.ids.extent),
+                 scene::withScene(scene, bindings(in, pointSampler, out)),
+                 paramsOf(in.ids.extent, 1, terms));
 }
 
-void Coarse::recordWith(gpu::Recorder& rec, const gpu::Kernel& kernel, const scene::GpuScene& scene,
-                        const Inputs& in, float rate, gpu::View out) const {
-    const vk::Extent2D full = in.ids.extent;
-    const vk::Extent2D size = coarseExtent(full, rate);
-    const shared::CoarseParams params{
-        .size = {size.width, size.height}, .fullSize = {full.width, full.height}, .rate = rate};
-    const auto pass = rec.pass("terms");
-    rec.dispatch(kernel, gpu::groups8x8(size),
-                 scene::withScene(scene, {in.view,
-                                          in.light,
-                                          {in.ids, pointSampler},
-                                          {in.sunMap, pointSampler},
-                                          {in.skyMaps, pointSampler},
-                                          out}),
-                 params);
+void Coarse::recordRepair(gpu::Recorder& rec, const scene::GpuScene& scene, const Inputs& in,
+                          Mask terms, const upsample::RepairList& list, gpu::View out) const {
+    const auto pass = rec.pass("repair");
+    auto all = bindings(in, pointSampler, out);
+    all.insert(all.end(), {list.header, list.kept});
+    rec.dispatchIndirect(repair, list.header, scene::withScene(scene, all),
+                         paramsOf(in.ids.extent, 1, terms));
 }
 
 }  // namespace lodestar::shading

@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <lodestar/shading/coarse_params.h>
 #include <lodestar/gpu/recorder.hpp>
 #include <lodestar/scene/gpu_scene.hpp>
+#include <lodestar/upsample/repair.hpp>
 
 namespace lodestar::shading {
 
@@ -10,8 +12,8 @@ namespace lodestar::shading {
 vk::Extent2D coarseExtent(vk::Extent2D full, float rate);
 
 /// The expensive, smooth terms: how much of the sun (soft shadow) and of the sky (ambient
-/// occlusion) a surface sees, evaluated on grid S from visibility (Yang et al. 2008, §2.3,
-/// fine-grained resizing).
+/// occlusion) a surface sees, and its procedural noise, evaluated on grid S from visibility (Yang
+/// et al. 2008, §2.3, fine-grained resizing).
 class Coarse {
 public:
     explicit Coarse(const gpu::Device&);
@@ -23,18 +25,23 @@ public:
         const gpu::Buffer& view;   ///< shared::ViewParams
         const gpu::Buffer& light;  ///< shared::LightParams
     };
+    /// Which of the terms: bits LS_TERM_…
+    using Mask = std::uint32_t;
+
     /// Writes the part of `coarse` (RGBA32_UINT) that coarseExtent(ids, rate) names.
-    void record(gpu::Recorder&, const scene::GpuScene&, const Inputs&, float rate,
+    void record(gpu::Recorder&, const scene::GpuScene&, const Inputs&, Mask, float rate,
                 gpu::View coarse) const;
     /// r = 1: writes the terms of every pixel of O to `terms` (RGBA16_SFLOAT), nothing to upsample.
-    void recordFull(gpu::Recorder&, const scene::GpuScene&, const Inputs&, gpu::View terms) const;
+    /// Channels that the mask lacks keep what they hold; all are written for LS_ALL_TERMS.
+    void recordFull(gpu::Recorder&, const scene::GpuScene&, const Inputs&, Mask,
+                    gpu::View terms) const;
+    /// Writes the terms of the pixels that `list` keeps, the same way. Pass "repair".
+    void recordRepair(gpu::Recorder&, const scene::GpuScene&, const Inputs&, Mask,
+                      const upsample::RepairList& list, gpu::View terms) const;
 
 private:
-    void recordWith(gpu::Recorder&, const gpu::Kernel&, const scene::GpuScene&, const Inputs&,
-                    float rate, gpu::View out) const;
-
     vk::raii::Sampler pointSampler;
-    gpu::Kernel coarseKernel, fullKernel;
+    gpu::Kernel coarse, full, fullMerge, repair;
 };
 
 }  // namespace lodestar::shading

@@ -4,12 +4,19 @@
 #include "../shared/types.h"
 LS_NAMESPACE_BEGIN
 
+// The terms, as channels of the term image and bits of a mask.
+const uint LS_TERM_SHADOW = 1u;  // x: share of the sun that is seen
+const uint LS_TERM_AO = 2u;      // y: share of the sky that is seen
+const uint LS_TERM_NOISE = 4u;   // z: procedural pattern of the surface, 0 … 1
+const uint LS_ALL_TERMS = 15u;
+
 /// Grid S over grid O. Texel j of S covers O pixels j·r … (j+1)·r; the last row and column may
 /// reach past the edge.
 struct CoarseParams {
     uvec2 size;      // of S
     uvec2 fullSize;  // of O
     float rate;      // r
+    uint terms;      // the terms to evaluate; others are 1
 };
 
 LS_NAMESPACE_END

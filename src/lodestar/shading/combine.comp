@@ -17,7 +17,7 @@ layout(binding = 1, scalar) uniform Light { LightParams light; };
 layout(binding = 2) uniform sampler2D surfaceDepth;
 layout(binding = 3) uniform usampler2D surfaceMaterial;
 layout(binding = 4) uniform sampler2D surfaceEmissive;
-layout(binding = 5) uniform sampler2D terms;  // visibility of the sun and of the sky
+layout(binding = 5) uniform sampler2D terms;  // visibility of sun and sky, pattern
 layout(binding = 6) uniform sampler2D sky;
 layout(binding = 7, scalar) readonly buffer Lights { GpuLight lights[]; };
 layout(binding = 8, rgba16f) writeonly uniform image2D outRadiance;
@@ -32,6 +32,11 @@ const float kSunCosine = 0.99996;  // half of its half-degree disc
 vec3 sunDisc(vec3 direction) {
     const float disc = smoothstep(kSunCosine - 2e-5, kSunCosine, dot(direction, light.toSun));
     return disc * 40 * light.sunIlluminance;
+}
+
+/// What the procedural pattern does to the albedo.
+float veins(float pattern) {
+    return light.noiseOctaves == 0 ? 1 : mix(0.15, 1.0, smoothstep(0.3, 0.7, pattern));
 }
 
 /// Unshadowed point and spot lights, with the falloff of KHR_lights_punctual.
@@ -69,7 +74,10 @@ void main() {
     const uvec4 material = texelFetch(surfaceMaterial, pixel, 0);
     const vec4 albedo = unpackUnorm4x8(material.x);  // a: occlusion
     const vec2 roughMetal = unpackUnorm4x8(material.y).xy;
-    const Surface s = makeSurface(albedo.rgb * albedo.rgb, roughMetal.x, roughMetal.y,
+    const vec3 term = texelFetch(terms, pixel, 0).xyz;
+    const vec2 visible = term.xy;
+    const vec3 base = albedo.rgb * albedo.rgb * veins(term.z);
+    const Surface s = makeSurface(base, roughMetal.x, roughMetal.y,
                                   unpackNormal(material.z), -direction);
 
     // The sky is looked up once: past the surfaces, or mirrored in one.
@@ -83,7 +91,6 @@ void main() {
     }
 
     // Where the sky is hidden, what hides it sends back some of the light it gets.
-    const vec2 visible = texelFetch(terms, pixel, 0).xy;
     const float fromSky = albedo.a * mix(kBounced, 1, visible.y);
     const vec3 mirrored = environmentReflectance(s);
     vec3 radiance = reflected(s, light.toSun) * light.sunIlluminance * visible.x;

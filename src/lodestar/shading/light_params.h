@@ -17,16 +17,18 @@ struct GpuLightView {
 
 /// Sun, sky and their depth maps, in a uniform buffer.
 struct LightParams {
-    vec3 toSun;           // world, unit
-    vec3 sunIlluminance;  // linear rgb at normal incidence
-    vec3 irradiance[9];   // of the sky: spherical harmonics, cosine lobe and basis constants in
-    uint shadowTaps;      // N of the N×N PCF of the sun; 0 = no shadow
-    uint skyViewCount;    // views[1] … views[skyViewCount]; 0 = the sky is seen from everywhere
-    uint skyTaps;         // N of the N×N PCF of each
-    uint lightCount;      // punctual lights
-    uint skyLevels;       // mip levels of the sky map: roughness 0 … 1
-    float exposure;       // multiplies radiance before the tone map
-    float perLux;         // multiplies punctual and emissive light, which files give in lux and nit
+    vec3 toSun;            // world, unit
+    vec3 sunIlluminance;   // linear rgb at normal incidence
+    vec3 irradiance[9];    // of the sky: spherical harmonics, cosine lobe and basis constants in
+    uint shadowTaps;       // N of the N×N PCF of the sun; 0 = no shadow
+    uint skyViewCount;     // views[1] … views[skyViewCount]; 0 = the sky is seen from everywhere
+    uint skyTaps;          // N of the N×N PCF of each
+    uint noiseOctaves;     // of the procedural pattern; 0 = none
+    float noiseFrequency;  // cells of its first octave per scene unit
+    uint lightCount;       // punctual lights
+    uint skyLevels;        // mip levels of the sky map: roughness 0 … 1
+    float exposure;        // multiplies radiance before the tone map
+    float perLux;  // multiplies punctual and emissive light, which files give in lux and nit
     GpuLightView views[LS_MAX_SKY_VIEWS + 1];  // the sun's, then those of the sky
 };
 

@@ -13,6 +13,7 @@
 #define LS_NAMESPACE_END }
 namespace lodestar::shared {
 using glm::ivec2;
+using glm::ivec3;
 using glm::mat4;
 using glm::uvec2;
 using glm::vec2;

@@ -8,25 +8,30 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(constant_id = 0) const uint kDomain = LS_DOMAIN_TENT;
-layout(constant_id = 1) const uint kRange = 1;  // 0: σn = σz = ∞, the plain domain filter
+layout(constant_id = 1) const uint kRange = 1;   // 0: σn = σz = ∞, the plain domain filter
+layout(constant_id = 2) const uint kMerge = 0;   // 1: write some channels, keep the others
+layout(constant_id = 3) const uint kRepair = 0;  // 1: list the pixels that no tap is like
 
 layout(binding = 0) uniform usampler2D coarse;
 layout(binding = 1) uniform sampler2D depth;
 layout(binding = 2) uniform usampler2D normal;
-layout(binding = 3, rgba16f) writeonly uniform image2D terms;
+layout(binding = 3, rgba16f) uniform image2D terms;
+layout(binding = 4, scalar) buffer Header { RepairHeader repair; };
+layout(binding = 5, scalar) writeonly buffer List { uint listed[]; };
 layout(push_constant, scalar) uniform Push { UpsampleParams params; };
 
 const int kTaps = kDomain == LS_DOMAIN_NEAREST     ? 1
-                  : kDomain == LS_DOMAIN_TENT      ? 2
                   : kDomain == LS_DOMAIN_QUADRATIC ? 3
-                                                   : 4;
+                  : kDomain == LS_DOMAIN_CUBIC     ? 4
+                  : kDomain == LS_DOMAIN_GAUSSIAN  ? 4
+                                                   : 2;
 
 /// Weights of the taps along one axis. `f` is where the pixel lies between the taps: for an even
 /// number of taps its distance past the middle-left one (0 … 1), for three taps its distance from
 /// the middle one (−½ … ½).
 void domainWeights(float f, out float w[4]) {
     w = float[4](1, 0, 0, 0);
-    if (kDomain == LS_DOMAIN_TENT) {
+    if (kDomain == LS_DOMAIN_TENT || kDomain == LS_DOMAIN_NEAREST_DEPTH) {
         w[0] = 1 - f;
         w[1] = f;
     } else if (kDomain == LS_DOMAIN_QUADRATIC) {
@@ -47,6 +52,38 @@ void domainWeights(float f, out float w[4]) {
         const float sum = w[0] + w[1] + w[2] + w[3];
         for (int i = 0; i < 4; ++i) w[i] /= sum;
     }
+}
+
+/// One of the taps alone where any differs in depth by more than 3 σz: the most like one.
+vec4 mostLikeInDepth(uvec4 taps[16], float wx[4], float wy[4], float z, float perZ) {
+    float least = 3e38, most = 0;
+    vec4 best = vec4(0), mean = vec4(0);
+    for (int j = 0; j < 4; ++j) {
+        const float difference = abs(z - coarseDepth(taps[j])) * perZ;
+        const vec4 values = coarseTerms(taps[j]);
+        if (difference < least) best = values;
+        least = min(least, difference);
+        most = max(most, difference);
+        mean += wx[j % 2] * wy[j / 2] * values;
+    }
+    // falloff = log2(e) / (2 σ²), so 3 σz = √(4.5 log2(e) / falloff).
+    return most * most * params.depthFalloff <= 4.5 * 1.44269504 ? mean : best;
+}
+
+/// Adds the pixel to the list of those to be shaded anew, the worse the higher its bin: how far
+/// off it may be is how far the taps that make it lie apart.
+void listForRepair(uint index, float spread) {
+    const uint bin = uint(clamp(spread * float(LS_REPAIR_BINS), 0, float(LS_REPAIR_BINS) - 1));
+    atomicAdd(repair.bins[bin], 1);
+    listed[atomicAdd(repair.listed, 1)] = index | bin << LS_REPAIR_INDEX_BITS;
+}
+
+void write(ivec2 pixel, vec4 values) {
+    if (kMerge != 0) {
+        const bvec4 chosen = notEqual(uvec4(params.terms) & uvec4(1, 2, 4, 8), uvec4(0));
+        values = mix(imageLoad(terms, pixel), values, chosen);
+    }
+    imageStore(terms, pixel, values);
 }
 
 void main() {
@@ -86,13 +123,34 @@ void main() {
             if (wx[j % kTaps] * wy[j / kTaps] > 1e-4) least = min(least, e[j]);
         }
     }
+    if (kDomain == LS_DOMAIN_NEAREST_DEPTH && kRange != 0) {
+        write(pixel, mostLikeInDepth(taps, wx, wy, z, perZ));
+        return;
+    }
+    // Where no tap is like the pixel any of them may be wrong; else those that weigh may disagree.
+    const bool unlike = least > params.repairAbove;
+    const float relevant = unlike ? 3e38 : least + 2;
+    vec3 low = vec3(3e38), high = vec3(-3e38);
     vec4 sum = vec4(0);
     float weights = 0;
     for (int j = 0; j < kTaps * kTaps; ++j) {
+        const vec4 values = coarseTerms(taps[j]);
         float w = wx[j % kTaps] * wy[j / kTaps];
+        if (kRepair != 0) {
+            const bool counts = e[j] <= relevant && w >= 0.05;
+            low = counts ? min(low, values.xyz) : low;
+            high = counts ? max(high, values.xyz) : high;
+        }
         if (kRange != 0) w *= exp2(clamp(least - e[j], -126.0, 0.0));
-        sum += w * coarseTerms(taps[j]);
+        sum += w * values;
         weights += w;
     }
-    imageStore(terms, pixel, sum / weights);
+    write(pixel, sum / weights);
+
+    if (kRepair != 0) {
+        const vec3 apart = high - low;
+        const float spread = max(apart.x, max(apart.y, apart.z));
+        if (z > 0 && (unlike || spread > params.repairSpread))
+            listForRepair(uint(pixel.y * fullSize.x + pixel.x), max(spread, 0));
+    }
 }

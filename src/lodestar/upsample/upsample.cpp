@@ -26,6 +26,8 @@ std::uint32_t domainOf(Reconstruct kind) {
             return shared::LS_DOMAIN_CUBIC;
         case Reconstruct::gaussian:
             return shared::LS_DOMAIN_GAUSSIAN;
+        case Reconstruct::nearestDepth:
+            return shared::LS_DOMAIN_NEAREST_DEPTH;
     }
     throw std::invalid_argument("Reconstruct");
 }
@@ -34,13 +36,20 @@ bool isGuided(Reconstruct kind) {
     return kind != Reconstruct::bilinear && kind != Reconstruct::nearest;
 }
 
-gpu::Kernel makeKernel(const gpu::Device& device, Reconstruct kind, bool guided) {
+/// Whether taps are weighted: only then can all of them be too light.
+bool isBilateral(Reconstruct kind) {
+    return isGuided(kind) && kind != Reconstruct::nearestDepth;
+}
+
+gpu::Kernel makeKernel(const gpu::Device& device, Reconstruct kind, bool guided, bool merge,
+                       bool repair) {
     return {device,
             "upsample",
             kCode,
-            {Slot::sampledImage, Slot::sampledImage, Slot::sampledImage, Slot::storageImage},
+            {Slot::sampledImage, Slot::sampledImage, Slot::sampledImage, Slot::storageImage,
+             Slot::storageBuffer, Slot::storageBuffer},
             sizeof(shared::UpsampleParams),
-            {domainOf(kind), guided}};
+            {domainOf(kind), guided && isGuided(kind), merge, repair && isBilateral(kind)}};
 }
 
 /// exp(−d²/2σ²) = exp2(−falloff · d²).
@@ -54,25 +63,48 @@ float falloff(float sigma, const char* name) {
 Upsample::Upsample(const gpu::Device& device, Reconstruct kind)
     : reconstruct(kind),
       pointSampler(device.vk(), vk::SamplerCreateInfo{}),
-      guided(makeKernel(device, kind, isGuided(kind))),
-      plain(makeKernel(device, kind, false)) {}
+      guided(makeKernel(device, kind, true, false, false)),
+      plain(makeKernel(device, kind, false, false, false)),
+      guidedMerge(makeKernel(device, kind, true, true, false)),
+      plainMerge(makeKernel(device, kind, false, true, false)),
+      guidedRepair(makeKernel(device, kind, true, false, true)),
+      guidedMergeRepair(makeKernel(device, kind, true, true, true)),
+      noList(device, "upsample: no list", sizeof(shared::RepairHeader)) {}
 
-void Upsample::record(gpu::Recorder& rec, const Inputs& in, const Sigmas& sigmas,
-                      gpu::View terms) const {
+void Upsample::record(gpu::Recorder& rec, const Inputs& in, const Sigmas& sigmas, gpu::View terms,
+                      const UpsampleOptions& options) const {
     if (!(in.rate >= 1)) throw std::invalid_argument("Upsample::Inputs::rate must be at least 1");
     if (in.size.width == 0 || in.size.height == 0 || in.size.width > in.coarse.extent.width ||
         in.size.height > in.coarse.extent.height)
         throw std::invalid_argument("Upsample::Inputs::size must be 1 … the size of coarse");
+    if (!(options.leastWeight > 0 && options.leastWeight < 1))
+        throw std::invalid_argument("UpsampleOptions::leastWeight must be between 0 and 1");
+    if (options.repair && options.repair->size != in.depth.extent)
+        throw std::invalid_argument("UpsampleOptions::repair: the list has another size");
     const shared::UpsampleParams params{.size = {in.size.width, in.size.height},
                                         .inverseRate = 1 / in.rate,
                                         .depthFalloff = falloff(sigmas.z, "z"),
-                                        .normalFalloff = falloff(sigmas.n, "n")};
+                                        .normalFalloff = falloff(sigmas.n, "n"),
+                                        .terms = options.channels,
+                                        .repairAbove = -std::log2(options.leastWeight),
+                                        .repairSpread = options.mostSpread};
     const bool flat = params.depthFalloff == 0 && params.normalFalloff == 0;
     const auto pass = rec.pass("upsample");
-    rec.dispatch(
-        flat ? plain : guided, gpu::groups8x8(in.depth.extent),
-        {{in.coarse, pointSampler}, {in.depth, pointSampler}, {in.normal, pointSampler}, terms},
-        params);
+    const bool merge = options.channels != 15;
+    const bool listing = options.repair != nullptr;
+    const gpu::Kernel& kernel = flat               ? (merge ? plainMerge : plain)
+                                : merge && listing ? guidedMergeRepair
+                                : listing          ? guidedRepair
+                                : merge            ? guidedMerge
+                                                   : guided;
+    rec.dispatch(kernel, gpu::groups8x8(in.depth.extent),
+                 {{in.coarse, pointSampler},
+                  {in.depth, pointSampler},
+                  {in.normal, pointSampler},
+                  terms,
+                  listing ? options.repair->header : noList,
+                  listing ? options.repair->listed : noList},
+                 params);
 }
 
 }  // namespace lodestar::upsample

@@ -5,8 +5,19 @@
 
 #include <lodestar/gpu/recorder.hpp>
 #include <lodestar/upsample/reconstruct.hpp>
+#include <lodestar/upsample/repair.hpp>
 
 namespace lodestar::upsample {
+
+/// Beside the equation itself.
+struct UpsampleOptions {
+    std::uint32_t channels = 15;  ///< to write, a bit each; the others keep what they hold
+    /// Lists, for RepairSelect, the pixels whose best tap has a range weight g·g under
+    /// `leastWeight`, and those whose taps lie further apart than `mostSpread` in some term.
+    const RepairList* repair = nullptr;
+    float leastWeight = 0.1f;  ///< 0 … 1, both excluded
+    float mostSpread = 0.1f;
+};
 
 /// Joint bilateral upsampling of a coarse shading buffer (Yang et al. 2008, eq. 1).
 class Upsample {
@@ -23,14 +34,17 @@ public:
     /// Writes every texel of `terms` (grid O, RGBA16_SFLOAT). Images in GENERAL; the caller has
     /// made the inputs visible. Throws std::invalid_argument for a rate below 1, a sigma ≤ 0 or a
     /// size that is 0 or larger than `coarse`.
-    void record(gpu::Recorder&, const Inputs&, const Sigmas&, gpu::View terms) const;
+    void record(gpu::Recorder&, const Inputs&, const Sigmas&, gpu::View terms,
+                const UpsampleOptions& = {}) const;
 
     Reconstruct kind() const { return reconstruct; }
 
 private:
     Reconstruct reconstruct;
     vk::raii::Sampler pointSampler;
-    gpu::Kernel guided, plain;  ///< with the range weights, and without (σn = σz = ∞)
+    /// With the range weights, and without (σn = σz = ∞); then with merging, with a list.
+    gpu::Kernel guided, plain, guidedMerge, plainMerge, guidedRepair, guidedMergeRepair;
+    gpu::Buffer noList;  ///< what is bound where no pixels are listed
 };
 
 }  // namespace lodestar::upsample

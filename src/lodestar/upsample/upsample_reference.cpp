@@ -18,6 +18,7 @@ double domainFilter(Reconstruct kind, double distance) {
             return 1;
         case Reconstruct::bilateral:
         case Reconstruct::bilinear:
+        case Reconstruct::nearestDepth:
             return std::max(0.0, 1 - d);
         case Reconstruct::biquadratic:
             if (d <= 0.5) return 0.75 - d * d;
@@ -37,6 +38,7 @@ int tapCount(Reconstruct kind) {
             return 1;
         case Reconstruct::bilateral:
         case Reconstruct::bilinear:
+        case Reconstruct::nearestDepth:
             return 2;
         case Reconstruct::biquadratic:
             return 3;
@@ -74,6 +76,29 @@ double unlikeness(const Sigmas& sigmas, const ReferencePixel& pixel, const Refer
     return sum;
 }
 
+struct Tap {
+    const ReferenceTexel* texel;
+    double weight, unlike;
+};
+
+/// The mean of the taps where all differ in depth by less than 3 σz, else the least unlike one.
+glm::dvec4 mostLikeInDepth(const Sigmas& sigmas, const ReferencePixel& pixel,
+                           const std::vector<Tap>& taps) {
+    const double perZ = pixel.depth > 0 ? 1 / pixel.depth : 0;
+    double least = std::numeric_limits<double>::infinity(), most = 0;
+    glm::dvec4 best{0}, mean{0};
+    for (const Tap& tap : taps) {
+        const double difference = std::abs(pixel.depth - tap.texel->depth) * perZ;
+        if (difference < least) {
+            least = difference;
+            best = tap.texel->terms;
+        }
+        most = std::max(most, difference);
+        mean += tap.weight * tap.texel->terms;
+    }
+    return most <= 3 * sigmas.z ? mean : best;
+}
+
 }  // namespace
 
 glm::dvec2 foreshortened(glm::dvec3 normal) {
@@ -94,11 +119,8 @@ AxisTaps axisTaps(Reconstruct kind, double position) {
 std::vector<glm::dvec4> upsampleReference(Reconstruct kind, const Sigmas& sigmas,
                                           const ReferenceInputs& in) {
     check(sigmas, in);
-    const bool guided = kind != Reconstruct::bilinear && kind != Reconstruct::nearest;
-    struct Tap {
-        const ReferenceTexel* texel;
-        double weight, unlike;
-    };
+    const bool guided = kind != Reconstruct::bilinear && kind != Reconstruct::nearest &&
+                        kind != Reconstruct::nearestDepth;
     std::vector<glm::dvec4> result;
     for (int y = 0; y < in.fullSize.y; ++y)
         for (int x = 0; x < in.fullSize.x; ++x) {
@@ -118,6 +140,10 @@ std::vector<glm::dvec4> upsampleReference(Reconstruct kind, const Sigmas& sigmas
                     taps.push_back({&texel, weight, unlike});
                     if (weight > 1e-4) least = std::min(least, unlike);
                 }
+            if (kind == Reconstruct::nearestDepth) {
+                result.push_back(mostLikeInDepth(sigmas, pixel, taps));
+                continue;
+            }
             glm::dvec4 sum{0};
             double weights = 0;
             for (const Tap& tap : taps) {
