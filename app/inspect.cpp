@@ -249,9 +249,9 @@ void printLevels(const Inspection& found) {
         std::string methods;
         for (std::size_t m = 0; m < level.methods.size(); ++m)
             if (level.methods[m] > 0)
-                methods += fmt::format("{}{} {}", methods.empty() ? "" : ", ",
-                                       formatCount(level.methods[m]),
-                                       scene::nameOf(scene::LodMethod(m)));
+                methods +=
+                    fmt::format("{}{} {}", methods.empty() ? "" : ", ",
+                                formatCount(level.methods[m]), scene::nameOf(scene::LodMethod(m)));
         table.row({std::to_string(i), formatCount(level.meshes), formatCount(level.stored),
                    formatCount(level.drawn), fmt::format("{:.2g}", level.error), methods});
     }

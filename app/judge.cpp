@@ -65,8 +65,8 @@ Json countsOf(const Session& session, const frame::Frame& frame) {
             gpu::readBuffer(device, scene.clusters.buffer(),
                             sizeof(shared::GpuCluster) * (std::size_t{visible} + 1)));
         for (std::size_t c = 1; c <= visible; ++c) listed += clusters[c].triangleCount;
-        for (const auto id : gpu::as<std::uint32_t>(
-                 gpu::readBuffer(device, list.ids.buffer(), 4ull * triangles)))
+        for (const auto id :
+             gpu::as<std::uint32_t>(gpu::readBuffer(device, list.ids.buffer(), 4ull * triangles)))
             ++perLod[clusters[id >> shared::LS_TRIANGLE_BITS].lod];
     }
     return {{"instances_total", scene.instanceCount()},

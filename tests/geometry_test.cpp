@@ -347,12 +347,12 @@ TEST_F(CullTest, withoutCullingEveryTriangleIsListedWhereverTheCameraLooks) {
 
 /// A row of balls that goes away from the camera of ballsView().
 Scene balls(int count) {
-    Scene scene = small_scenes::single(small_scenes::parts::patch(
-        small_scenes::parts::sphere(0.5), 48, 24, {1, 1}));
+    Scene scene = small_scenes::single(
+        small_scenes::parts::patch(small_scenes::parts::sphere(0.5), 48, 24, {1, 1}));
     scene.instances.clear();
     for (int i = 0; i < count; ++i)
-        small_scenes::place(scene, 0,
-                            glm::translate(glm::mat4(1), {0.6f * float(i % 3), 0, -4.0f * float(i)}));
+        small_scenes::place(
+            scene, 0, glm::translate(glm::mat4(1), {0.6f * float(i % 3), 0, -4.0f * float(i)}));
     return scene;
 }
 
@@ -408,8 +408,8 @@ TEST_F(CullTest, choicesThatMeanNothingAreRefused) {
     CullView view = viewOf({});
     view.lod = {.mode = LodChoice::Mode::error, .errorPx = 0, .distances = {}};
     EXPECT_THROW(f.run(view), std::invalid_argument);
-    view.lod = {.mode = LodChoice::Mode::distance, .errorPx = 1,
-                .distances = std::vector<float>(9, 1.0f)};
+    view.lod = {
+        .mode = LodChoice::Mode::distance, .errorPx = 1, .distances = std::vector<float>(9, 1.0f)};
     EXPECT_THROW(f.run(view), std::invalid_argument);
     view.lod = {};
     view.cull = CullMode::hiz;
@@ -446,7 +446,8 @@ TEST_F(CullTest, aHiZTexelIsTheFarthestOfAllPixelsBelowItAndOfNoOthers) {
             for (std::uint32_t y = 0; y < level.height; ++y)
                 for (std::uint32_t x = 0; x < level.width; ++x) {
                     float least = 2;
-                    for (std::uint32_t v = y * texel; v < std::min((y + 1) * texel, size.height); ++v)
+                    for (std::uint32_t v = y * texel; v < std::min((y + 1) * texel, size.height);
+                         ++v)
                         for (std::uint32_t u = x * texel; u < std::min((x + 1) * texel, size.width);
                              ++u)
                             least = std::min(least, pixels[v * size.width + u]);

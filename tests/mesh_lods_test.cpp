@@ -18,7 +18,8 @@ namespace {
 namespace fs = std::filesystem;
 
 Mesh ball(std::uint32_t across = 64) {
-    Mesh mesh = small_scenes::parts::patch(small_scenes::parts::sphere(1), across, across / 2, {1, 1});
+    Mesh mesh =
+        small_scenes::parts::patch(small_scenes::parts::sphere(1), across, across / 2, {1, 1});
     for (const std::uint32_t i : mesh.indices) mesh.bounds.add(mesh.vertices[i].position);
     return mesh;
 }
@@ -230,8 +231,7 @@ TEST(MeshLods, aChainIsFoundInTheCacheAndACorruptOneIsBuiltAgain) {
     const LodSettings settings{.cache = folder / ""};
     const auto built = buildSceneLods(scene, settings);
     std::vector<fs::path> files;
-    for (const auto& entry : fs::directory_iterator(folder / "lods"))
-        files.push_back(entry.path());
+    for (const auto& entry : fs::directory_iterator(folder / "lods")) files.push_back(entry.path());
     ASSERT_FALSE(files.empty());
     for (const fs::path& file : files) EXPECT_EQ(file.extension(), ".lods");
 
@@ -270,7 +270,8 @@ TEST(MeshLods, noTruncationOrBitFlipOfAChainIsTaken) {
     const auto bytes = encodeLods(buildMeshLods(mesh, false));
     ASSERT_TRUE(decodeCopy(bytes, mesh));
     for (std::size_t size = 0; size < bytes.size(); ++size)
-        ASSERT_FALSE(decodeCopy({bytes.begin(), bytes.begin() + std::ptrdiff_t(size)}, mesh)) << size;
+        ASSERT_FALSE(decodeCopy({bytes.begin(), bytes.begin() + std::ptrdiff_t(size)}, mesh))
+            << size;
     for (std::size_t i = 0; i < bytes.size(); ++i)
         for (int bit = 0; bit < 8; ++bit) {
             auto flipped = bytes;

@@ -19,8 +19,10 @@ constexpr vk::Extent2D kSize{93, 61};
 Scene town(std::uint32_t seed) {
     small_scenes::Random random(seed);
     small_scenes::SceneBuilder builder("town");
-    const std::uint32_t wall = builder.add(small_scenes::parts::plain("wall", {0.6f, 0.5f, 0.4f}, 0, 1));
-    const std::uint32_t ware = builder.add(small_scenes::parts::plain("ware", {0.2f, 0.5f, 0.8f}, 0, 1));
+    const std::uint32_t wall =
+        builder.add(small_scenes::parts::plain("wall", {0.6f, 0.5f, 0.4f}, 0, 1));
+    const std::uint32_t ware =
+        builder.add(small_scenes::parts::plain("ware", {0.2f, 0.5f, 0.8f}, 0, 1));
     const std::uint32_t block =
         builder.add("block", small_scenes::parts::box({-2, 0, -2}, {2, 8, 2}, 1), wall);
     const std::uint32_t ball = builder.add(
@@ -35,9 +37,10 @@ Scene town(std::uint32_t seed) {
     scene::Animation animation{.name = "drift", .duration = 4, .channels = {}};
     for (std::uint32_t node = 60; node < scene.nodes.size(); node += 2) {
         const glm::vec4 from(scene.nodes[node].translation, 0);
-        animation.channels.push_back({.node = node,
-                                      .times = {0, 2, 4},
-                                      .values = {from, from + glm::vec4(random.vec3(-6, 6), 0), from}});
+        animation.channels.push_back(
+            {.node = node,
+             .times = {0, 2, 4},
+             .values = {from, from + glm::vec4(random.vec3(-6, 6), 0), from}});
     }
     scene.animations.push_back(animation);
     return scene;
@@ -79,8 +82,8 @@ protected:
             const auto expected = gpu::readImage(device(), plain.display());
             hidden.render(camera, {});
             ASSERT_EQ(gpu::readImage(device(), hidden.display()), expected) << "view " << view;
-            const auto counts = gpu::as<shared::CullCounts>(gpu::readBuffer(
-                device(), hidden.drawList().counts, sizeof(shared::CullCounts)))[0];
+            const auto counts = gpu::as<shared::CullCounts>(
+                gpu::readBuffer(device(), hidden.drawList().counts, sizeof(shared::CullCounts)))[0];
             hiddenInstances += counts.instancesHidden;
             found += counts.instancesFound;
             hiddenClusters += counts.clustersHidden;
@@ -102,8 +105,8 @@ TEST_F(OcclusionTest, picturesAreTheSameWithLevelsOfDetail) {
 TEST_F(OcclusionTest, aWallHidesWhatIsBehindItFromTheSecondFrameOn) {
     small_scenes::SceneBuilder builder("wall");
     const std::uint32_t material = builder.add(scene::Material{});
-    builder.place(builder.add("wall", small_scenes::parts::box({-20, -20, -0.5}, {20, 20, 0}, 1),
-                              material));
+    builder.place(
+        builder.add("wall", small_scenes::parts::box({-20, -20, -0.5}, {20, 20, 0}, 1), material));
     const std::uint32_t ball = builder.add(
         "ball", small_scenes::parts::patch(small_scenes::parts::sphere(0.5), 24, 12, {1, 1}),
         material);
@@ -113,8 +116,8 @@ TEST_F(OcclusionTest, aWallHidesWhatIsBehindItFromTheSecondFrameOn) {
     Frame frame(device(), onGpu, settingsOf(CullMode::hiz, {}));
     const auto hidden = [&](const Camera& camera) {
         frame.render(camera, {});
-        const auto counts = gpu::as<shared::CullCounts>(gpu::readBuffer(
-            device(), frame.drawList().counts, sizeof(shared::CullCounts)))[0];
+        const auto counts = gpu::as<shared::CullCounts>(
+            gpu::readBuffer(device(), frame.drawList().counts, sizeof(shared::CullCounts)))[0];
         return counts.instancesHidden - counts.instancesFound;
     };
     const Camera camera{.eye = {0, 0, 8}, .at = {0, 0, 0}};

@@ -72,7 +72,8 @@ TEST(Procedural, everyIndexIsInRange) {
 }
 
 TEST(Procedural, manyInstancesShareANodeAndTheirNumberIsExact) {
-    for (const auto& [spec, more] : {std::pair{"mountains:300", 64}, std::pair{"instances:401", 0}}) {
+    for (const auto& [spec, more] :
+         {std::pair{"mountains:300", 64}, std::pair{"instances:401", 0}}) {
         const Scene& scene = built(spec);
         const std::string name = spec;
         EXPECT_EQ(scene.instances.size(), std::stoul(name.substr(name.find(':') + 1)) + more);

@@ -47,7 +47,8 @@ void printRows(const Json& rows, const std::string& measures,
                const std::vector<std::string>& keys) {
     std::vector<Table::Column> columns;
     for (const std::string& key : keys) {
-        const bool text = key == "scene" || key == "camera" || key == "method" || key == "path" || key == "culling" || key == "lod";
+        const bool text = key == "scene" || key == "camera" || key == "method" || key == "path" ||
+                          key == "culling" || key == "lod";
         columns.push_back({headingOf(key), text ? Table::Align::left : Table::Align::right});
     }
     Table table(columns);
@@ -228,7 +229,9 @@ void addBench(CLI::App& app, int& exitCode) {
         "bench", "measure one figure or table; `lodestar bench list` names them");
     std::vector<std::string> names{"list"};
     for (const Bench& bench : benches()) names.push_back(bench.name);
-    command->add_option("NAME", *name, "list, or the bench to run: shading-rate, budget-hold, geometry-lod, "
+    command
+        ->add_option("NAME", *name,
+                     "list, or the bench to run: shading-rate, budget-hold, geometry-lod, "
                      "culling-scale, lod-quality")
         ->type_name("")
         ->required()

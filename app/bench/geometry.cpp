@@ -40,8 +40,8 @@ LodChoice allowed(float errorPx) {
 }
 
 /// Passes that belong to geometry: all that lists and draws triangles.
-constexpr std::array kGeometryPasses{"cull", "cull triangles", "capture", "hi-z", "cull rest",
-                                     "capture rest"};
+constexpr std::array kGeometryPasses{"cull", "cull triangles", "capture",
+                                     "hi-z", "cull rest",      "capture rest"};
 
 /// The times of one way to render, round by round.
 struct Times {
@@ -120,7 +120,8 @@ Result<void> measureModes(const BenchCase& what, const BenchOptions& options, Be
             settings.lod = lod ? allowed(errorPx) : LodChoice{};
             frame::Frame frame(*session.device, *session.gpuScene, settings);
             // Without culling a frame takes long, and varies little.
-            const int rounds = mode == CullMode::none ? std::min(options.rounds, 3) : options.rounds;
+            const int rounds =
+                mode == CullMode::none ? std::min(options.rounds, 3) : options.rounds;
             for (int i = 0; i < 2; ++i) frame.render(camera, {});
             Times times;
             for (int i = 0; i < rounds; ++i) times.add(frame.render(camera, {}));
@@ -139,9 +140,9 @@ Result<void> measureModes(const BenchCase& what, const BenchOptions& options, Be
             result.rows.push_back(row);
             describe(result, session, times, counts);
             bar.update(++done);
-            const fs::path file = options.out / fmt::format("geometry-lod.{}.{}.{}.png",
-                                                            sceneSlug(what.scene), nameOf(mode),
-                                                            lod ? "lod" : "off");
+            const fs::path file =
+                options.out / fmt::format("geometry-lod.{}.{}.{}.png", sceneSlug(what.scene),
+                                          nameOf(mode), lod ? "lod" : "off");
             result.files.push_back(file);
             if (auto written = writePng(file, picture); !written) return written;
         }
@@ -152,25 +153,27 @@ Result<void> measureModes(const BenchCase& what, const BenchOptions& options, Be
 Json publishedModes() {
     const Json& fps = published("rakos2010_reader_fps_gtx550ti");
     Json rows = Json::array();
-    for (const auto& [key, culling, lod] :
-         {std::tuple{"none", "none", "off"}, {"none_lod", "none", "distance"},
-          {"icr", "frustum", "off"}, {"icr_lod", "frustum", "distance"},
-          {"icr_hiz", "hiz", "off"}, {"icr_hiz_lod", "hiz", "distance"}})
+    for (const auto& [key, culling, lod] : {std::tuple{"none", "none", "off"},
+                                            {"none_lod", "none", "distance"},
+                                            {"icr", "frustum", "off"},
+                                            {"icr_lod", "frustum", "distance"},
+                                            {"icr_hiz", "hiz", "off"},
+                                            {"icr_hiz_lod", "hiz", "distance"}})
         rows.push_back({{"source", "Rakos 2010, a reader's figures (GTX 550 Ti)"},
                         {"culling", culling},
                         {"lod", lod},
                         {"fps_least", fps.at(key).at(0)},
                         {"fps_most", fps.at(key).at(1)},
-                        {"speedup_least", fps.at(key).at(0).get<double>() /
-                                              fps.at("none").at(0).get<double>()},
-                        {"speedup_most", fps.at(key).at(1).get<double>() /
-                                             fps.at("none").at(1).get<double>()}});
+                        {"speedup_least",
+                         fps.at(key).at(0).get<double>() / fps.at("none").at(0).get<double>()},
+                        {"speedup_most",
+                         fps.at(key).at(1).get<double>() / fps.at("none").at(1).get<double>()}});
     return rows;
 }
 
 Result<BenchResult> runModes(const BenchOptions& options) {
-    const auto cases = benchCases(options, {{"builtin:mountains", "valley", ""},
-                                            {"city_kaykit.glb", "street", ""}});
+    const auto cases = benchCases(
+        options, {{"builtin:mountains", "valley", ""}, {"city_kaykit.glb", "street", ""}});
     if (!cases) return tl::unexpected(cases.error());
     BenchResult result = startOf(options);
     for (const BenchCase& one : *cases)
@@ -200,13 +203,14 @@ std::vector<Bar> barsOfModes(const Json& rows) {
             return a.at(key).get<double>() / std::max(b.at(key).get<double>(), 1e-9);
         };
         const double frames = ratio(row, *all, "frame_ms");
-        bars.push_back({"frames, no culling -> all on: " + scene, frames, "x", ">= 15",
-                        frames >= 15});
+        bars.push_back(
+            {"frames, no culling -> all on: " + scene, frames, "x", ">= 15", frames >= 15});
         const double geometry = ratio(row, *all, "geometry_ms");
         bars.push_back({"geometry passes, no culling -> all on: " + scene, geometry, "x", ">= 15",
                         geometry >= 15});
         const bool same = hiz->at("psnr_db").is_null() && frustum->at("psnr_db").is_null();
-        bars.push_back({"pictures that culling changes: " + scene, same ? 0.0 : 1.0, "", "0", same});
+        bars.push_back(
+            {"pictures that culling changes: " + scene, same ? 0.0 : 1.0, "", "0", same});
         const double dropped = row.at("dropped").get<double>() + all->at("dropped").get<double>();
         bars.push_back({"left out for want of place: " + scene, dropped, "", "0", dropped == 0});
     }
@@ -315,8 +319,8 @@ Result<void> measureQuality(const BenchCase& what, const BenchOptions& options,
             psnr.push_back(q.psnrDb);
             flip.push_back(q.flip);
             if (i > 0)
-                flicker.push_back(quality::flicker(reference[i - 1], reference[i], pictures[i - 1],
-                                                   pictures[i]));
+                flicker.push_back(
+                    quality::flicker(reference[i - 1], reference[i], pictures[i - 1], pictures[i]));
         }
         Json row = rowStart("quality", what, options);
         row["lod"] = nameOf(settings.lod);

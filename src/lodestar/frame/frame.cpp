@@ -198,8 +198,8 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
     return rec.submit();
 }
 
-/// Culls and captures; what is hidden, in two phases: first what the last picture does not hide, then
-/// what that, drawn, does not hide of the rest.
+/// Culls and captures; what is hidden, in two phases: first what the last picture does not hide,
+/// then what that, drawn, does not hide of the rest.
 void Frame::findVisible(const geometry::CullView& view) {
     using Phase = visibility::CaptureSs::Phase;
     const visibility::CaptureSs::Target target{idImage, depthBuffer};

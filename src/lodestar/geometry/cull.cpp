@@ -103,8 +103,7 @@ shared::CullParams paramsOf(const CullView& view, const scene::GpuScene& scene, 
         params.hizValid = hiz->valid();
         params.hizSize = {static_cast<float>(hiz->size().width),
                           static_cast<float>(hiz->size().height)};
-        params.hizLevels =
-            static_cast<std::uint32_t>(hiz->levels().size()) + shared::LS_HIZ_FIRST;
+        params.hizLevels = static_cast<std::uint32_t>(hiz->levels().size()) + shared::LS_HIZ_FIRST;
         for (std::size_t i = 0; i < hiz->levels().size(); ++i)
             params.hizOffsets[i + shared::LS_HIZ_FIRST] = hiz->levels()[i].offset;
     }
@@ -155,23 +154,23 @@ Cull::Cull(const gpu::Device& device)
                  {Slot::uniformBuffer, Slot::texelBuffer, Slot::storageBuffer}),
       listChunks(device, "list chunks", kListChunksCode,
                  slots({{Slot::uniformBuffer, 1}, {Slot::storageBuffer, 3}}), sizeof(ScanParams)),
-      cullInstances(device, "cull instances", kInstancesCode,
-                    scene::withSceneSlots(slots({{Slot::uniformBuffer, 1},
-                                                 {Slot::texelBuffer, 5},
-                                                 {Slot::storageBuffer, 4}})),
-                    sizeof(shared::PhaseParams)),
-      cullClusters(device, "cull clusters", kClustersCode,
-                   scene::withSceneSlots(slots({{Slot::uniformBuffer, 1},
-                                                {Slot::texelBuffer, 5},
-                                                {Slot::storageBuffer, 5}})),
-                   sizeof(TotalledPhase)),
+      cullInstances(
+          device, "cull instances", kInstancesCode,
+          scene::withSceneSlots(
+              slots({{Slot::uniformBuffer, 1}, {Slot::texelBuffer, 5}, {Slot::storageBuffer, 4}})),
+          sizeof(shared::PhaseParams)),
+      cullClusters(
+          device, "cull clusters", kClustersCode,
+          scene::withSceneSlots(
+              slots({{Slot::uniformBuffer, 1}, {Slot::texelBuffer, 5}, {Slot::storageBuffer, 5}})),
+          sizeof(TotalledPhase)),
       compact(device, "compact clusters", kCompactCode,
               scene::withSceneSlots(slots({{Slot::texelBuffer, 1}, {Slot::storageBuffer, 6}})),
               sizeof(TotalledPhase)),
-      cullTriangles(device, "cull triangles", kTrianglesCode,
-                    scene::withSceneSlots(
-                        slots({{Slot::uniformBuffer, 1}, {Slot::storageBuffer, 3}})),
-                    sizeof(shared::PhaseParams)),
+      cullTriangles(
+          device, "cull triangles", kTrianglesCode,
+          scene::withSceneSlots(slots({{Slot::uniformBuffer, 1}, {Slot::storageBuffer, 3}})),
+          sizeof(shared::PhaseParams)),
       emit(device, "emit", kEmitCode, slots({{Slot::texelBuffer, 1}, {Slot::storageBuffer, 5}}),
            sizeof(TotalledPhase)),
       scanBlocks(device, "scan blocks", kScanBlocksCode, slots({{Slot::storageBuffer, 2}}),
@@ -221,8 +220,8 @@ void Cull::recordSecond(gpu::Recorder& rec, const scene::GpuScene& scene, DrawLi
 void Cull::scan(gpu::Recorder& rec, const gpu::Buffer& values, const DrawList& list,
                 const ScanParams& params) const {
     rec.barrier(Stage::compute, Stage::compute);
-    rec.dispatchIndirect(scanBlocks, list.counts, at(params.source, kBlocks),
-                         {values, list.counts}, params);
+    rec.dispatchIndirect(scanBlocks, list.counts, at(params.source, kBlocks), {values, list.counts},
+                         params);
     rec.barrier(Stage::compute, Stage::compute);
     rec.dispatch(scanTotals, {1, 1, 1}, {values, list.counts}, params);
     rec.barrier(Stage::compute, Stage::compute);
@@ -279,12 +278,11 @@ void Cull::listClusters(gpu::Recorder& rec, const scene::GpuScene& scene, DrawLi
     const gpu::TexelBuffer& offsets = second ? list.secondOffsets : list.firstOffsets;
     const shared::PhaseParams phase{.phase = number};
 
-    rec.dispatchIndirect(
-        cullInstances, list.counts, at(shared::LS_LIST_INSTANCES, kGroups),
-        scene::withScene(scene, {list.params, scene.chunks, scene.drawOrder, scene.meshes,
-                                 scene.lods, pyramid, list.chunks, list.counts, offsets.buffer(),
-                                 list.states}),
-        phase);
+    rec.dispatchIndirect(cullInstances, list.counts, at(shared::LS_LIST_INSTANCES, kGroups),
+                         scene::withScene(scene, {list.params, scene.chunks, scene.drawOrder,
+                                                  scene.meshes, scene.lods, pyramid, list.chunks,
+                                                  list.counts, offsets.buffer(), list.states}),
+                         phase);
     scan(rec, offsets.buffer(), list,
          {.source = shared::LS_LIST_INSTANCES,
           .result = candidates,
@@ -295,9 +293,9 @@ void Cull::listClusters(gpu::Recorder& rec, const scene::GpuScene& scene, DrawLi
 
     rec.dispatchIndirect(
         cullClusters, list.counts, at(candidates, kGroups),
-        scene::withScene(scene, {list.params, scene.lods, scene.meshes, pyramid, offsets,
-                                 list.firstOffsets, list.counts, list.states, list.candidates,
-                                 list.candidateOffsets, list.hidden}),
+        scene::withScene(
+            scene, {list.params, scene.lods, scene.meshes, pyramid, offsets, list.firstOffsets,
+                    list.counts, list.states, list.candidates, list.candidateOffsets, list.hidden}),
         TotalledPhase{phase, list.instancePlaces});
     scan(rec, list.candidateOffsets, list,
          {.source = candidates,

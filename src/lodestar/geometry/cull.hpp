@@ -44,12 +44,12 @@ struct DrawList {
     gpu::Buffer counts;    ///< shared::CullCounts
 
     // What the passes hand on.
-    gpu::Buffer params;                               ///< shared::CullParams
-    gpu::Buffer chunkOffsets, chunks;                 ///< visible chunks before each; the visible
-    gpu::TexelBuffer firstOffsets, secondOffsets;     ///< meshlets before each place of an instance
-    gpu::Buffer states;                               ///< of each: LS_STATE_*
-    gpu::Buffer candidates, candidateOffsets, hidden; ///< meshlets to look at; visible before each
-    gpu::Buffer masks, triangleOffsets;               ///< of each visible cluster
+    gpu::Buffer params;                            ///< shared::CullParams
+    gpu::Buffer chunkOffsets, chunks;              ///< visible chunks before each; the visible
+    gpu::TexelBuffer firstOffsets, secondOffsets;  ///< meshlets before each place of an instance
+    gpu::Buffer states;                            ///< of each: LS_STATE_*
+    gpu::Buffer candidates, candidateOffsets, hidden;  ///< meshlets to look at; visible before each
+    gpu::Buffer masks, triangleOffsets;                ///< of each visible cluster
     std::uint32_t chunkCount, instancePlaces, clusterPlaces, trianglePlaces;
 };
 

@@ -55,7 +55,8 @@ void main() {
     if (push.phase == 1) {
         const uint state = states[slot];
         uint clusters = 0;
-        if ((state & (LS_STATE_HIDDEN | LS_STATE_PARTLY)) != 0) {
+        // A loop of one round, which a CPU driver skips where a branch it would not.
+        for (uint left = state & (LS_STATE_HIDDEN | LS_STATE_PARTLY); left != 0; left = 0) {
             const GpuInstance instance = loadInstance(state & LS_STATE_INSTANCE);
             const vec4 sphere = uintBitsToFloat(texelFetch(meshes, int(2 * instance.mesh)));
             const vec3 centre = transformPoint(instance, sphere.xyz);

@@ -25,12 +25,12 @@ struct CullParams {
     mat4 clipFromWorld;
     mat4 hizFromWorld0;  // clip space of the pyramid that the first phase tests with, the last
     mat4 hizFromWorld1;  // frame's; and the second, this frame's
-    vec4 planes[5];      // world: inside where dot(plane, (p, 1)) ≥ 0; left, right, bottom, top, near
-    vec3 eye;            // world, for normal cones
-    uint mode;           // LS_CULL_*
-    vec3 lodEye;         // world: whose distance counts
-    float lodScale;      // error · scale / distance is in units of what is allowed
-    vec4 distances0;     // where levels 1 … 8 begin
+    vec4 planes[5];  // world: inside where dot(plane, (p, 1)) ≥ 0; left, right, bottom, top, near
+    vec3 eye;        // world, for normal cones
+    uint mode;       // LS_CULL_*
+    vec3 lodEye;     // world: whose distance counts
+    float lodScale;  // error · scale / distance is in units of what is allowed
+    vec4 distances0;  // where levels 1 … 8 begin
     vec4 distances1;
     vec2 size;  // of the target, in pixels
     uint lodMode;
@@ -39,7 +39,7 @@ struct CullParams {
     uint chunkCount;
     uint hizValid;  // whether there is a pyramid for the first phase
     uint hizLevels;
-    vec2 hizSize;        // pixels of the picture the pyramid is of
+    vec2 hizSize;                    // pixels of the picture the pyramid is of
     uint hizOffsets[LS_HIZ_LEVELS];  // where each level begins; LS_HIZ_FIRST is the first there is
 };
 
@@ -67,19 +67,19 @@ const uint LS_LISTS = 8;
 /// What the CPU never sees within a frame.
 struct CullCounts {
     CullList lists[LS_LISTS];
-    uint instances;       // visible
-    uint instancesHidden; // by what the last frame showed: looked at again in the second phase
-    uint instancesFound;  // of these, by the second phase
+    uint instances;        // visible
+    uint instancesHidden;  // by what the last frame showed: looked at again in the second phase
+    uint instancesFound;   // of these, by the second phase
     uint clustersHidden;
 };
 
 struct ScanParams {
-    uint source;     // the list that was scanned
-    uint result;     // the list its total is the length of
-    uint times;      // items of `result` a unit
-    uint capacity;   // of `result`
-    uint before;     // a list that shares the capacity and comes first; `result` itself: none
-    uint totals;     // where the block totals stand, as an index into the values
+    uint source;    // the list that was scanned
+    uint result;    // the list its total is the length of
+    uint times;     // items of `result` a unit
+    uint capacity;  // of `result`
+    uint before;    // a list that shares the capacity and comes first; `result` itself: none
+    uint totals;    // where the block totals stand, as an index into the values
 };
 
 struct PhaseParams {
@@ -103,9 +103,9 @@ uint linearThread(uvec3 group, uvec3 groups, uint perGroup, uint thread) {
 // Bits of an instance's state, above its number (25 bits) and level (4).
 const uint LS_STATE_INSTANCE = 0x1ffffffu;
 const uint LS_STATE_LOD_SHIFT = 25u;
-const uint LS_STATE_DRAWN = 1u << 29;    // its clusters were looked at in the first phase
-const uint LS_STATE_HIDDEN = 1u << 30;   // behind what the last frame showed
-const uint LS_STATE_PARTLY = 1u << 31;   // some of its clusters were
+const uint LS_STATE_DRAWN = 1u << 29;   // its clusters were looked at in the first phase
+const uint LS_STATE_HIDDEN = 1u << 30;  // behind what the last frame showed
+const uint LS_STATE_PARTLY = 1u << 31;  // some of its clusters were
 
 const uint LS_CANDIDATE_VISIBLE = 1u << 31;  // beside a meshlet's number
 

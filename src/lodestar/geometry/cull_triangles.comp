@@ -47,22 +47,26 @@ void main() {
     if (which >= counts.lists[second ? LS_LIST_CLUSTERS_2 : LS_LIST_CLUSTERS].count) return;
     const GpuCluster cluster =
         loadCluster(1 + which + (second ? counts.lists[LS_LIST_CLUSTERS].count : 0));
-    if (t >= cluster.triangleCount) return;
-    bool drawn = params.mode == LS_CULL_NONE;
-    if (!drawn) {
-        const GpuInstance instance = loadInstance(cluster.instance);
-        const bool reflected = (instance.flags & LS_INSTANCE_REFLECTED) != 0;
-        const GpuTriangle triangle = loadStoredTriangle(cluster.triangles + t);
-        const vec4 a = params.clipFromWorld *
-                       vec4(transformPoint(instance, loadVertex(triangle.a).position), 1);
-        const vec4 b = params.clipFromWorld *
-                       vec4(transformPoint(instance, loadVertex(triangle.b).position), 1);
-        const vec4 c = params.clipFromWorld *
-                       vec4(transformPoint(instance, loadVertex(triangle.c).position), 1);
-        const bool doubleSided = (cluster.bin & 1) != 0;  // of scene::DrawBin
-        drawn = canCoverAPixel(a, reflected ? c : b, reflected ? b : c, doubleSided);
+    const bool doubleSided = (cluster.bin & 1) != 0;  // of scene::DrawBin
+    // A loop of one round: a CPU driver runs both sides of a branch, but leaves a loop that no lane
+    // is in. Half of the slots are empty.
+    for (uint i = t; i < cluster.triangleCount; i += LS_CLUSTER_SLOTS) {
+        bool drawn = params.mode == LS_CULL_NONE;
+        if (!drawn) {
+            const GpuInstance instance = loadInstance(cluster.instance);
+            const bool reflected = (instance.flags & LS_INSTANCE_REFLECTED) != 0;
+            const GpuTriangle triangle = loadStoredTriangle(cluster.triangles + i);
+            const vec4 a = params.clipFromWorld *
+                           vec4(transformPoint(instance, loadVertex(triangle.a).position), 1);
+            const vec4 b = params.clipFromWorld *
+                           vec4(transformPoint(instance, loadVertex(triangle.b).position), 1);
+            const vec4 c = params.clipFromWorld *
+                           vec4(transformPoint(instance, loadVertex(triangle.c).position), 1);
+            drawn = canCoverAPixel(a, reflected ? c : b, reflected ? b : c, doubleSided);
+        }
+        if (drawn) {
+            atomicOr(masks[4 * which + i / 32], 1u << (i & 31));
+            atomicAdd(triangleCounts[which], 1);
+        }
     }
-    if (!drawn) return;
-    atomicOr(masks[4 * which + t / 32], 1u << (t & 31));
-    atomicAdd(triangleCounts[which], 1);
 }

@@ -191,7 +191,8 @@ void GpuScene::Packed::add(const Mesh& mesh, const Material& material, const Mes
             const std::uint32_t* local = &set.vertices[m.vertexOffset];
             for (std::uint32_t i = 0; i < m.triangleCount; ++i) {
                 const std::uint32_t t = set.triangles[m.triangleOffset + i];
-                triangles.push_back({firstVertex + local[t & 255], firstVertex + local[t >> 8 & 255],
+                triangles.push_back({firstVertex + local[t & 255],
+                                     firstVertex + local[t >> 8 & 255],
                                      firstVertex + local[t >> 16 & 255], 0});
             }
         }
@@ -232,7 +233,8 @@ void GpuScene::Packed::arrange(const Scene& scene) {
     for (std::uint32_t i = 0; i < count; ++i) {
         order[i] = keys[i].second;
         const std::uint32_t own = keys[i].first >> 30;
-        const bool begins = chunkSpans.empty() || own != bin || chunkSpans.back().y == shared::LS_CHUNK;
+        const bool begins =
+            chunkSpans.empty() || own != bin || chunkSpans.back().y == shared::LS_CHUNK;
         for (; bin < own; ++bin) bins[bin + 1] = static_cast<std::uint32_t>(chunkSpans.size());
         if (begins) chunkSpans.push_back({i, 0});
         ++chunkSpans.back().y;
@@ -281,10 +283,10 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene, Packed&& packe
       lods(gpu::makeTexelBuffer(device, "levels of detail", packed.lods, kWords)),
       chunks(device, "chunks", packed.chunkSpans.size() * sizeof(GpuChunk), kWords),
       drawOrder(gpu::makeTexelBuffer(device, "draw order", packed.order, vk::Format::eR32Uint)),
-      clusters(device, "visible clusters",
-               sizeof(shared::GpuCluster) *
-                   (std::min(packed.clustersDrawn, kMaxVisibleClusters) + 1),
-               kWords),
+      clusters(
+          device, "visible clusters",
+          sizeof(shared::GpuCluster) * (std::min(packed.clustersDrawn, kMaxVisibleClusters) + 1),
+          kWords),
       secondUvs(
           gpu::makeTexelBuffer(device, "second uvs", packed.secondUvs, vk::Format::eR32G32Sfloat)),
       lights(device, "lights", scene.lights.size() * sizeof(GpuLight)),

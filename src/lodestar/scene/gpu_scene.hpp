@@ -75,8 +75,8 @@ public:
     std::uint32_t lightCount() const { return lightsUsed; }
 
     gpu::TexelBuffer vertices, attributes, triangles, meshlets, instances, materials, meshes, lods,
-        chunks;                    ///< the records of gpu_types.h
-    gpu::TexelBuffer drawOrder;    ///< numbers of the instances, those of a chunk together
+        chunks;                  ///< the records of gpu_types.h
+    gpu::TexelBuffer drawOrder;  ///< numbers of the instances, those of a chunk together
     /// What ids name: GpuCluster records of the visible clusters of the view that was culled last,
     /// written on the device by geometry::Cull. One table serves all views of a scene, so whoever
     /// reads ids must do so before another view is culled.
@@ -99,7 +99,7 @@ private:
     Bounds worldBox;
     SceneFeatures sceneFeatures;
     std::array<std::uint32_t, kDrawBins + 1> bins{};
-    std::vector<std::uint32_t> order;   ///< what drawOrder holds
+    std::vector<std::uint32_t> order;    ///< what drawOrder holds
     std::vector<glm::uvec2> chunkSpans;  ///< first and count of each chunk, in `order`
     std::uint64_t clustersDrawn = 0, trianglesDrawn = 0;
     std::size_t lodsMost = 1;

@@ -86,9 +86,9 @@ public:
         Indices welded(from.size());
         std::transform(from.begin(), from.end(), welded.begin(),
                        [&](std::uint32_t v) { return placeOf[v]; });
-        Attempt attempt = scene::collapsed(&positions[0].x, places, sizeof(glm::vec3), welded, scale);
-        for (std::size_t i = 0; i < attempt.indices.size(); i += 3)
-            unweld(&attempt.indices[i]);
+        Attempt attempt =
+            scene::collapsed(&positions[0].x, places, sizeof(glm::vec3), welded, scale);
+        for (std::size_t i = 0; i < attempt.indices.size(); i += 3) unweld(&attempt.indices[i]);
         return attempt;
     }
 
@@ -207,7 +207,11 @@ public:
         density = area > 0 ? float(std::sqrt(uv / area)) : 0;
     }
 
-    float of(const Indices& level) const {
+    struct Found {
+        float looks = 0;            ///< root of the mean square
+        float offPlace = INFINITY;  ///< of any vertex; infinite unless all were looked at
+    };
+    Found of(const Indices& level) const {
         const Nearest nearest(*mesh, level);
         // Triangles at each place, of all the vertices there are at a seam.
         std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> at;
@@ -215,21 +219,26 @@ public:
             at[keyOf(mesh->vertices[level[i]].position)].push_back(i / 3);
         const std::size_t step = std::max<std::size_t>(mesh->indices.size() / kSamples, 1);
         double sum = 0;
+        float farthest = 0;
         std::size_t count = 0;
         for (std::size_t i = 0; i < mesh->indices.size(); i += step, ++count) {
             const Vertex& v = mesh->vertices[mesh->indices[i]];
             const Nearest::Found found = nearest.find(v.position);
-            const float off = differenceAt(v, 
-                                           at.at(keyOf(mesh->vertices[found.vertex].position)),
-                                           level, std::sqrt(found.distance2));
-            sum += double(off) * off;
+            const Difference off =
+                differenceAt(v, at.at(keyOf(mesh->vertices[found.vertex].position)), level,
+                             std::sqrt(found.distance2));
+            sum += double(off.looks) * off.looks;
+            farthest = std::max(farthest, off.place);
         }
-        return count > 0 ? float(std::sqrt(sum / double(count))) : 0;
+        if (count == 0) return {0, 0};
+        return {float(std::sqrt(sum / double(count))), step == 1 ? farthest : INFINITY};
     }
 
 private:
     static constexpr std::size_t kSamples = 8000;
-    static constexpr float kLight = 1.0f;  // calibrated on builtin:mountains, see docs/geometry.md
+    // What a wrong normal counts: with 4, a normal off by 0.25 (14°) over a patch of a pixel is as
+    // bad as an edge that is off by one. Set on builtin:mountains: FLIP is 0.012 at 1 px.
+    static constexpr float kLight = 4.0f;
 
     static std::uint64_t keyOf(glm::vec3 p) {
         const glm::vec3 same = p + 0.0f;  // −0 as 0
@@ -239,10 +248,15 @@ private:
         return key;
     }
 
-    /// Of the best of the triangles about the vertex nearest to `v`, which is `apart` from it.
-    float differenceAt(const Vertex& v, const std::vector<std::uint32_t>& triangles,
-                       const Indices& level, float apart) const {
-        float best = INFINITY;
+    struct Difference {
+        float looks = INFINITY, place = INFINITY;
+    };
+    /// The least to any of the triangles about the vertex nearest to `v`, which is `apart` from it.
+    Difference differenceAt(const Vertex& v, const std::vector<std::uint32_t>& triangles,
+                            const Indices& level, float apart) const {
+        // As much as it is seen: half a stop of a dark surface is fewer steps of the picture.
+        const float seen = std::sqrt(std::max(glm::dot(glm::vec3(v.color), kLuminance), 0.0f));
+        Difference best;
         for (const std::uint32_t t : triangles) {
             const Vertex &a = mesh->vertices[level[3 * t]], &b = mesh->vertices[level[3 * t + 1]],
                          &c = mesh->vertices[level[3 * t + 2]];
@@ -250,17 +264,22 @@ private:
             const glm::vec3 normal = a.normal * w.x + b.normal * w.y + c.normal * w.z;
             const float l = glm::length(normal);
             const float lit = l > 0 ? glm::length(normal / l - v.normal) : 2;
-            const float painted = glm::length(a.color * w.x + b.color * w.y + c.color * w.z - v.color);
-            float off = kLight * (lit + 2 * painted) * apart;
+            const float painted =
+                glm::length(a.color * w.x + b.color * w.y + c.color * w.z - v.color);
+            float off = kLight * (seen * lit + 2 * painted) * apart;
             if (textured && density > 0) {
                 const glm::vec2 uv = a.uv0 * w.x + b.uv0 * w.y + c.uv0 * w.z;
                 off += glm::length(uv - v.uv0) / density;
             }
-            best = std::min(best, off);
+            best.looks = std::min(best.looks, off);
+            best.place = std::min(
+                best.place,
+                glm::distance(v.position, a.position * w.x + b.position * w.y + c.position * w.z));
         }
         return best;
     }
 
+    static constexpr glm::vec3 kLuminance{0.2126f, 0.7152f, 0.0722f};
     const Mesh* mesh;
     bool textured;
     float density = 0;
@@ -324,8 +343,8 @@ void writeFile(const fs::path& path, const std::vector<std::byte>& bytes) {
     static std::atomic<unsigned> count{0};
     const auto thread = std::hash<std::thread::id>()(std::this_thread::get_id());
     fs::path draft = path;
-    draft += fmt::format(".{:x}.{}.{:x}.tmp", thread, count++,
-                         reinterpret_cast<std::uintptr_t>(&bytes));
+    draft +=
+        fmt::format(".{:x}.{}.{:x}.tmp", thread, count++, reinterpret_cast<std::uintptr_t>(&bytes));
     std::error_code error;
     fs::create_directories(path.parent_path(), error);
     {
@@ -391,7 +410,8 @@ MeshLods buildMeshLods(const Mesh& mesh, bool textured) {
         LodMethod method = LodMethod::simplified;
         // Clusters have lost the borders and seams; what follows them is clustered too.
         if (finer.method != LodMethod::sloppy) {
-            attempt = collapsed(positionsOf(mesh), mesh.vertices.size(), sizeof(Vertex), now, scale);
+            attempt =
+                collapsed(positionsOf(mesh), mesh.vertices.size(), sizeof(Vertex), now, scale);
             attempt.error += finer.offPlace;  // from the level before, which has its own
             if (!gains(attempt, now) && weld) {
                 if (!welded) welded.emplace(mesh);
@@ -406,8 +426,12 @@ MeshLods buildMeshLods(const Mesh& mesh, bool textured) {
             method = LodMethod::sloppy;
         }
         if (!gains(attempt, now) || !std::isfinite(attempt.error)) break;
-        const float error =
-            std::max({finer.error, attempt.error, looks.of(attempt.indices)});
+        // Collapses tell a bound that adds up from level to level; where every vertex has been
+        // looked at, that is known better.
+        const LooksError::Found found = looks.of(attempt.indices);
+        if (method != LodMethod::sloppy)
+            attempt.error = std::min(attempt.error, std::max(found.offPlace, finer.offPlace));
+        const float error = std::max({finer.error, attempt.error, found.looks});
         if (!std::isfinite(error)) break;
         MeshLod lod{buildMeshlets(mesh.vertices, attempt.indices), error, attempt.error, method};
         if (lod.meshlets.meshlets.size() > finer.meshlets.meshlets.size()) break;

@@ -11,12 +11,13 @@
 
 // A chain in a file, in the byte order of the machine (the cache is its own):
 //   magic u32, version u32, checksum u64 of all that follows
-//   levels u32; each: error f32, off place f32, method u32, meshlets u32, vertices u32, triangles u32, then these
+//   levels u32; each: error f32, off place f32, method u32, meshlets u32, vertices u32, triangles
+//   u32, then these
 namespace lodestar::scene {
 namespace {
 
 // Count up with every change of what buildMeshLods or buildMeshlets gives, or of the format.
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 constexpr std::uint32_t kMagic = 0x646f4c4c;  // "LLod"
 
 static_assert(sizeof(Meshlet) == 48 && std::is_trivially_copyable_v<Meshlet>);
@@ -87,14 +88,13 @@ bool sound(const MeshletSet& set, const Mesh& mesh) {
 
 bool readLevel(Reader& in, const Mesh& mesh, const MeshLods& before, MeshLod& lod) {
     std::uint32_t method = 0, meshlets = 0, vertices = 0, triangles = 0;
-    if (!in.get(lod.error) || !in.get(lod.offPlace) || !in.get(method) || !in.get(meshlets) || !in.get(vertices) ||
-        !in.get(triangles) || !in.get(lod.meshlets.meshlets, meshlets) ||
+    if (!in.get(lod.error) || !in.get(lod.offPlace) || !in.get(method) || !in.get(meshlets) ||
+        !in.get(vertices) || !in.get(triangles) || !in.get(lod.meshlets.meshlets, meshlets) ||
         !in.get(lod.meshlets.vertices, vertices) || !in.get(lod.meshlets.triangles, triangles))
         return false;
     lod.method = LodMethod(method);
     if (method > std::uint32_t(LodMethod::sloppy) || !std::isfinite(lod.error) ||
-        !std::isfinite(lod.offPlace) || lod.offPlace < 0 ||
-        !sound(lod.meshlets, mesh))
+        !std::isfinite(lod.offPlace) || lod.offPlace < 0 || !sound(lod.meshlets, mesh))
         return false;
     if (before.levels.empty())
         return lod.error == 0 && triangles == mesh.indices.size() / 3 &&

@@ -30,16 +30,14 @@ void setBounds(Meshlet& meshlet, const meshopt_Bounds& bounds, const std::uint32
     meshlet.coneCutoff = bounds.cone_cutoff;
     if (meshlet.coneAxis == glm::vec3(0)) {  // nothing but degenerate triangles
         Bounds box;
-        for (std::uint32_t i = 0; i < meshlet.vertexCount; ++i)
-            box.add(vertices[own[i]].position);
+        for (std::uint32_t i = 0; i < meshlet.vertexCount; ++i) box.add(vertices[own[i]].position);
         meshlet.centre = box.centre();
         meshlet.coneAxis = {0, 0, 1};
         meshlet.coneCutoff = 1;
     }
     float radius = bounds.radius;
     for (std::uint32_t i = 0; i < meshlet.vertexCount; ++i)
-        radius =
-            std::max(radius, glm::distance(vertices[own[i]].position, meshlet.centre));
+        radius = std::max(radius, glm::distance(vertices[own[i]].position, meshlet.centre));
     // One rounding of the centre and of a distance, so that the sphere holds its vertices in exact
     // arithmetic too.
     meshlet.radius = radius * (1 + 1e-6f) + 1e-7f * glm::length(meshlet.centre);
@@ -64,9 +62,9 @@ MeshletSet buildMeshlets(const std::vector<Vertex>& vertices,
     set.vertices.resize(bound * kMeshletVertices);
     const float* positions = &vertices[0].position.x;
     built.resize(meshopt_buildMeshlets(built.data(), set.vertices.data(), corners.data(),
-                                       indices.data(), indices.size(), positions,
-                                       vertices.size(), sizeof(Vertex), kMeshletVertices,
-                                       kMeshletTriangles, kConeWeight));
+                                       indices.data(), indices.size(), positions, vertices.size(),
+                                       sizeof(Vertex), kMeshletVertices, kMeshletTriangles,
+                                       kConeWeight));
     const meshopt_Meshlet& last = built.back();
     set.vertices.resize(last.vertex_offset + last.vertex_count);
     set.vertices.shrink_to_fit();

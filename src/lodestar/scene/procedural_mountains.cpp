@@ -4,9 +4,8 @@
 #include <numbers>
 
 #include <fmt/format.h>
-#include <glm/gtc/matrix_transform.hpp>
 #include <stb_perlin.h>
-
+#include <glm/gtc/matrix_transform.hpp>
 
 #include <lodestar/scene/procedural_parts.hpp>
 #include <lodestar/scene/procedural_scenes.hpp>
@@ -17,9 +16,9 @@ namespace {
 
 using std::numbers::pi;
 
-constexpr double kSide = 1024;                 // metres
-constexpr std::uint32_t kTiles = 8;            // a side
-constexpr std::uint32_t kQuads = 64;           // a side of a tile
+constexpr double kSide = 1024;                   // metres
+constexpr std::uint32_t kTiles = 8;              // a side
+constexpr std::uint32_t kQuads = 64;             // a side of a tile
 constexpr double kTreeLine = 150, kValley = 12;  // metres
 
 /// Noise that is the same on every machine: splitmix64.
@@ -157,8 +156,9 @@ glm::mat4 standing(glm::dvec3 at, double turn, double scale) {
 }  // namespace
 
 Scene buildMountains(std::uint64_t objects) {
-    SceneBuilder builder(objects == kMountainObjects ? "builtin:mountains"
-                                                     : fmt::format("builtin:mountains:{}", objects));
+    SceneBuilder builder(objects == kMountainObjects
+                             ? "builtin:mountains"
+                             : fmt::format("builtin:mountains:{}", objects));
     builder.addCamera("valley", {-20, float(height(-20, 420)) + 14, 420}, {10, 18, 0}, 0.9f);
     builder.addCamera("ridge", {-330, float(height(-330, 150)) + 25, 150}, {150, 20, -120}, 0.9f);
     builder.addCamera("above", {0, 700, 900}, {0, 0, 0}, 0.9f);
@@ -208,8 +208,7 @@ Scene buildInstances(std::uint64_t count) {
     const std::uint32_t kinds[]{
         add("ball", patch(sphere(0.35), 32, 16, {1, 1}), {0.7f, 0.2f, 0.15f}),
         add("knot", patch(torusKnot(0.42, 0.09), 16, 96, {1, 1}), {0.15f, 0.35f, 0.7f}),
-        add("rock", rock(4), {0.6f, 0.6f, 0.6f}),
-        add("tree", conifer(4), {1, 1, 1})};
+        add("rock", rock(4), {0.6f, 0.6f, 0.6f}), add("tree", conifer(4), {1, 1, 1})};
     Scene scene = std::move(builder).finish();
     scene.nodes.insert(scene.nodes.begin(), Node{.name = "world"});
     for (SceneCamera& camera : scene.cameras) ++camera.node;

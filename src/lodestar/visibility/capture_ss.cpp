@@ -59,11 +59,10 @@ CaptureSs::CaptureSs(const gpu::Device& device, const scene::SceneFeatures& feat
 
 void CaptureSs::record(gpu::Recorder& rec, const scene::GpuScene& scene,
                        const geometry::DrawList& list, const glm::mat4& clipFromWorld,
-                       const Target& target, const std::string& name,
-                       Phase phase) const {
+                       const Target& target, const std::string& name, Phase phase) const {
     const auto pass = rec.pass(name);
-    gpu::Recorder::Target attachments{.colors = {}, .depth = target.depth,
-                                       .keep = phase == Phase::second};
+    gpu::Recorder::Target attachments{
+        .colors = {}, .depth = target.depth, .keep = phase == Phase::second};
     if (writes == Writes::idsAndDepth) attachments.colors = {target.ids};
     rec.beginRendering(attachments);
     const auto bindings = scene::withScene(
