@@ -128,15 +128,18 @@ void addLeverOptions(CLI::App& app, budget::Levers& levers) {
     levers.repair = kRepair;
     addParsed(
         app, "--shading-rate", levers,
-        [share = levers.repair](const std::string& text) {
+        [&levers](const std::string& text) {
             auto parsed = parseRates(text);
-            if (parsed) parsed->repair = share;
+            if (parsed) parsed->repair = levers.repair;
             return parsed;
         },
         "r of the coarse terms, all of them or one by one as in shadow=4,ao=2; 1 = full quality. "
         "Under a budget the proportions stay")
         ->type_name("R")
         ->default_str("1")
+        ->group(kGroup);
+    app.add_flag("--full-resize,!--fine-grained", levers.resizeAll,
+                 "shade as a whole on the coarse grid, not the expensive terms alone")
         ->group(kGroup);
     app.add_option_function<double>(
            "--repair", [&levers](double share) { levers.repair = static_cast<float>(share); },
@@ -153,7 +156,10 @@ Json leversJson(const budget::Levers& levers) {
     Json rates;
     for (std::size_t i = 0; i < budget::kTerms; ++i)
         rates[std::string(budget::kTermNames[i])] = levers.rate(budget::Term(i));
-    return {{"shading_rate", levers.shadingRate}, {"rates", rates}, {"repair", levers.repair}};
+    return {{"shading_rate", levers.shadingRate},
+            {"rates", rates},
+            {"repair", levers.repair},
+            {"full_resize", levers.resizeAll}};
 }
 
 void addFrameOptions(CLI::App& app, frame::FrameSettings& settings) {

@@ -16,7 +16,9 @@
 #include <lodestar/gpu/device.hpp>
 
 #include "app/bench/bench.hpp"
+#include "app/capture.hpp"
 #include "app/info.hpp"
+#include "app/rebuild.hpp"
 #include "app/render.hpp"
 #endif
 
@@ -31,6 +33,8 @@ void addCommands(CLI::App& app, int& exitCode) {
     addInspect(app, exitCode);
 #ifdef LODESTAR_VULKAN
     addRender(app, exitCode);
+    addCapture(app, exitCode);
+    addRebuild(app, exitCode);
 #endif
     addCompare(app, exitCode);
 #ifdef LODESTAR_VULKAN
@@ -99,6 +103,8 @@ int run(int argc, char** argv) {
 #ifdef LODESTAR_VULKAN
         "  lodestar render model.glb --out frame.png\n"
         "  lodestar render model.glb --budget 50% --frames 120 --path orbit --reference --out "
+        "f.png\n"
+        "  lodestar capture model.glb --out f.lvis && lodestar rebuild f.lvis model.glb --out "
         "f.png\n"
 #endif
         "  lodestar inspect model.glb\n"

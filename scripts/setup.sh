@@ -11,7 +11,7 @@ packages=(
     # libraries
     libglm-dev libfmt-dev libexpected-dev nlohmann-json3-dev libcli11-dev
     libtinygltf-dev libdraco-dev libmeshoptimizer-dev libassimp-dev
-    libopenexr-dev libstb-dev libxxhash-dev zlib1g-dev
+    libopenexr-dev libstb-dev zlib1g-dev libzstd-dev libxxhash-dev
     # tests, sanitizers and format check
     libgtest-dev clang-14 libclang-rt-14-dev llvm-14 clang-format
     # the model that scripts/demo.sh renders

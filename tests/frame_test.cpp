@@ -4,6 +4,7 @@
 
 #include <glm/gtc/packing.hpp>
 
+#include <lodestar/frame/capture_frame.hpp>
 #include <lodestar/frame/frame.hpp>
 #include <lodestar/gpu/readback.hpp>
 #include <lodestar/quality/metrics.hpp>
@@ -83,6 +84,32 @@ TEST_F(FrameTest, columnsAtFullRateAreReproducibleAndCoarseOnesClose) {
     }
     EXPECT_EQ(stage.render(camera).rgb, full.rgb);
     EXPECT_EQ(device().allocatedBytes(), bytes) << "a frame allocated memory";
+}
+
+TEST_F(FrameTest, shadingAsAWholeOnGridSIsCoarserThanItsExpensiveTermsAlone) {
+    Stage stage(device(), *scene::buildBuiltin("columns"), small(128, 72));
+    FrameSettings plain = small(128, 72);
+    plain.reconstruct = upsample::Reconstruct::bilinear;
+    Frame conventional(device(), stage.onGpu, plain);
+    const Camera camera = cameraOf(stage.source, 0);
+    const auto full = stage.render(camera);
+    const auto psnrOf = [&](Frame& frame, const budget::Levers& levers) {
+        frame.render(camera, levers);
+        quality::RgbImage picture(128, 72);
+        const auto rgba = gpu::readImage(device(), frame.display());
+        for (std::size_t i = 0; i < picture.rgb.size(); ++i)
+            picture.rgb[i] = std::uint8_t(rgba[i / 3 * 4 + i % 3]);
+        return quality::psnr(full, picture);
+    };
+    for (const float rate : {1.5f, 3.0f}) {
+        const double guided = psnrOf(stage.frame, {.shadingRate = rate, .resizeAll = true});
+        const double bilinear = psnrOf(conventional, {.shadingRate = rate, .resizeAll = true});
+        const double fine = psnrOf(stage.frame, {.shadingRate = rate});
+        EXPECT_GT(guided, bilinear) << rate;
+        EXPECT_GT(fine, guided + 3) << rate;
+        EXPECT_GT(bilinear, 15) << rate;
+    }
+    EXPECT_EQ(stage.render(camera).rgb, full.rgb);
 }
 
 TEST_F(FrameTest, spheresLookAsTheyDid) {
@@ -295,6 +322,81 @@ TEST_F(FrameTest, aFrameGivesItsMemoryBack) {
         EXPECT_GT(device().allocatedBytes(), before + 512 * 512 * 4);
     }
     EXPECT_EQ(device().allocatedBytes(), before);
+}
+
+/// The picture the frame holds, and its linear radiance averaged over n × n pixels.
+quality::RgbImage pictureOf(const Stage& stage) {
+    const vk::Extent2D size = stage.frame.settings().size;
+    quality::RgbImage picture(int(size.width), int(size.height));
+    const auto rgba = gpu::readImage(stage.device, stage.frame.display());
+    for (std::size_t i = 0; i < picture.rgb.size(); ++i)
+        picture.rgb[i] = std::uint8_t(rgba[i / 3 * 4 + i % 3]);
+    return picture;
+}
+
+TEST_F(FrameTest, rebuiltAtTheCaptureRateThePictureIsThatOfDirectRaster) {
+    Stage stage(device(), *scene::buildBuiltin("spheres"), small(96, 64));
+    const Camera camera = cameraOf(stage.source, 1);
+    const auto direct = stage.render(camera);
+    for (const std::uint32_t side : {1u, 2u, 8u}) {
+        CaptureFrame capture(
+            device(), stage.onGpu,
+            {.base = {96 / side, 64 / side}, .side = side, .backend = CaptureBackend::supersample});
+        capture.capture(camera);
+        stage.frame.rebuild(capture.compact(), camera, {});
+        EXPECT_EQ(pictureOf(stage).rgb, direct.rgb) << side;
+    }
+}
+
+TEST_F(FrameTest, antialiasedOutputComesCloseToSupersampledShading) {
+    constexpr std::uint32_t kWidth = 64, kHeight = 40, kSide = 8;
+    for (const char* name : {"spheres", "columns"}) {
+        SCOPED_TRACE(name);
+        FrameSettings settings = small(kWidth * kSide, kHeight * kSide);
+        settings.shadowTaps = 9;
+        Stage fine(device(), *scene::buildBuiltin(name), settings);
+        const Camera camera = cameraOf(fine.source, 0);
+        fine.render(camera);
+        const auto samples = fine.halves(fine.frame.radiance());
+        std::vector<glm::vec3> expected(kWidth * kHeight);
+        for (std::size_t i = 0; i < samples.size(); ++i) {
+            const std::size_t x = i % (kWidth * kSide), y = i / (kWidth * kSide);
+            expected[y / kSide * kWidth + x / kSide] += glm::vec3(samples[i]) / 64.0f;
+        }
+
+        settings.size = vk::Extent2D{kWidth, kHeight};
+        Stage coarse(device(), *scene::buildBuiltin(name), settings);
+        coarse.render(camera);
+        const auto plain = coarse.halves(coarse.frame.radiance());
+        CaptureFrame capture(device(), coarse.onGpu, {.base = {kWidth, kHeight}, .side = kSide});
+        capture.capture(camera);
+        coarse.frame.rebuildAntialiased(capture.compact(), camera);
+        const auto smooth = coarse.halves(coarse.frame.radiance());
+        EXPECT_GT(coarse.frame.furtherFragments(), 20u);
+        EXPECT_LT(coarse.frame.furtherFragments(), 6 * kWidth * kHeight);
+        // Tone-mapped roughly as the eye does, so that highlights do not outweigh the rest.
+        const auto error = [&](const std::vector<glm::vec4>& picture) {
+            double sum = 0;
+            for (std::size_t i = 0; i < expected.size(); ++i) {
+                const auto curve = [](glm::vec3 c) { return glm::sqrt(c / (1.0f + c)); };
+                const glm::vec3 d = curve(glm::vec3(picture[i])) - curve(expected[i]);
+                sum += glm::dot(d, d) / 3;
+            }
+            return std::sqrt(sum / double(expected.size()));
+        };
+        EXPECT_LT(error(smooth), 0.8 * error(plain)) << error(smooth) << " " << error(plain);
+    }
+}
+
+TEST_F(FrameTest, antialiasingAPictureOfOneSurfaceShadesItOnce) {
+    Stage stage(device(), small_scenes::single(small_scenes::quad()), small(40, 40));
+    const Camera camera = small_scenes::facing();
+    const auto plain = stage.render(camera);
+    CaptureFrame capture(device(), stage.onGpu, {.base = {40, 40}, .side = 8});
+    capture.capture(camera);
+    stage.frame.rebuildAntialiased(capture.compact(), camera);
+    EXPECT_EQ(stage.frame.furtherFragments(), 0u);
+    EXPECT_GT(quality::psnr(plain, pictureOf(stage)), 50);
 }
 
 }  // namespace

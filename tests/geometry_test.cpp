@@ -116,8 +116,13 @@ struct Fixture {
         EXPECT_EQ(indexCount % 3, 0u);
         if (indexCount > 0 && indexCount <= 3u * onGpu.triangleCount())
             drawn.ids = words(list.ids.buffer(), indexCount / 3);
-        drawn.table = gpu::as<GpuCluster>(gpu::readBuffer(
-            rec.device(), onGpu.clusters.buffer(), sizeof(GpuCluster) * (drawn.clusters + 1)));
+        // The unused one, then those of the view.
+        const auto all = gpu::as<GpuCluster>(gpu::readBuffer(
+            rec.device(), onGpu.clusters.buffer(),
+            sizeof(GpuCluster) * (list.table + drawn.clusters)));
+        drawn.table.assign(all.begin() + (list.table - 1), all.end());
+        for (std::uint32_t& id : drawn.ids)
+            id -= (list.table - 1) << shared::LS_TRIANGLE_BITS;  // as if the part began at 1
         return drawn;
     }
 

@@ -24,6 +24,9 @@ struct Counter {
     std::uint32_t last = 0;
 
     void next(const char* field, std::uint32_t value) { EXPECT_EQ(value, ++last) << field; }
+    void next(const char* field, std::int32_t value) {
+        EXPECT_EQ(value, std::int32_t(++last)) << field;
+    }
     void next(const char* field, float value) { EXPECT_EQ(value, float(++last)) << field; }
     template <glm::length_t N, typename T>
     void next(const char* field, const glm::vec<N, T>& v) {

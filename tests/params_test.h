@@ -9,7 +9,14 @@
 #include "lodestar/shading/coarse_params.h"
 #include "lodestar/shading/light_params.h"
 #include "lodestar/upsample/upsample_params.h"
+#include "lodestar/visibility/capture_compute_params.h"
+#include "lodestar/visibility/capture_ms_params.h"
 #include "lodestar/visibility/capture_ss_params.h"
+#include "lodestar/visibility/compact_params.h"
+#include "lodestar/visibility/expand_params.h"
+#include "lodestar/visibility/fragments_params.h"
+#include "lodestar/visibility/rebuild_params.h"
+#include "lodestar/visibility/sample_grid_params.h"
 #include "lodestar/visibility/view_params.h"
 LS_NAMESPACE_BEGIN
 
@@ -42,6 +49,16 @@ struct AllParams {
     RepairHeader repair;
     RepairSelectParams repairSelect;
     TonemapParams tonemap;
+    CompactVisibilityParams compactVisibility;
+    CaptureComputeParams captureCompute;
+    CaptureQueueCounts captureQueue;
+    CaptureLarge captureLarge;
+    CaptureMsDrawParams captureMsDraw;
+    CaptureMsParams captureMs;
+    ExpandParams expand;
+    FragmentsParams fragments;
+    RebuildParams rebuild;
+    SampleGridParams sampleGrid;
 };
 
 LS_NAMESPACE_END
@@ -99,7 +116,7 @@ LS_NAMESPACE_END
     VISIT(p.cull.lodScale) VISIT(p.cull.distances0) VISIT(p.cull.distances1) \
     VISIT(p.cull.size) VISIT(p.cull.lodMode) VISIT(p.cull.lodParallel) VISIT(p.cull.useCones) \
     VISIT(p.cull.chunkCount) VISIT(p.cull.hizValid) VISIT(p.cull.hizLevels) \
-    VISIT(p.cull.hizSize) \
+    VISIT(p.cull.hizSize) VISIT(p.cull.listAll) \
     LS_VISIT_4(VISIT, p.cull.hizOffsets, 0) LS_VISIT_4(VISIT, p.cull.hizOffsets, 4) \
     LS_VISIT_4(VISIT, p.cull.hizOffsets, 8) LS_VISIT_4(VISIT, p.cull.hizOffsets, 12) \
     LS_VISIT_LIST(VISIT, p.cullList) \
@@ -111,7 +128,7 @@ LS_NAMESPACE_END
     VISIT(p.cullCounts.instancesFound) VISIT(p.cullCounts.clustersHidden) \
     VISIT(p.scan.source) VISIT(p.scan.result) VISIT(p.scan.times) VISIT(p.scan.capacity) \
     VISIT(p.scan.before) VISIT(p.scan.totals) \
-    VISIT(p.phase.phase) VISIT(p.phase.capacity) \
+    VISIT(p.phase.phase) VISIT(p.phase.table) \
     VISIT(p.hiz.from) VISIT(p.hiz.to) VISIT(p.hiz.fromOffset) VISIT(p.hiz.toOffset) \
     VISIT(p.capture.clipFromWorld) \
     VISIT(p.view.clipFromWorld) VISIT(p.view.viewFromWorld) VISIT(p.view.eye) \
@@ -135,7 +152,26 @@ LS_NAMESPACE_END
     VISIT(p.repair.cut) LS_VISIT_BINS_16(VISIT, p.repair.bins, 0) \
     LS_VISIT_BINS_16(VISIT, p.repair.bins, 16) LS_VISIT_BINS_16(VISIT, p.repair.bins, 32) \
     LS_VISIT_BINS_16(VISIT, p.repair.bins, 48) VISIT(p.repairSelect.most) \
-    VISIT(p.tonemap.exposure)
+    VISIT(p.tonemap.exposure) \
+    VISIT(p.compactVisibility.width) VISIT(p.compactVisibility.firstRow) \
+    VISIT(p.compactVisibility.rows) VISIT(p.compactVisibility.band) \
+    VISIT(p.compactVisibility.capacity) \
+    VISIT(p.captureCompute.clipFromWorld) VISIT(p.captureCompute.size) \
+    VISIT(p.captureCompute.firstRow) VISIT(p.captureCompute.rows) \
+    LS_VISIT_3(VISIT, p.captureQueue.groups) VISIT(p.captureQueue.first) \
+    VISIT(p.captureQueue.count) VISIT(p.captureQueue.clipped) VISIT(p.captureQueue.large) \
+    VISIT(p.captureQueue.jobs) \
+    VISIT(p.captureLarge.v0) VISIT(p.captureLarge.v1) VISIT(p.captureLarge.v2) \
+    VISIT(p.captureLarge.depth) VISIT(p.captureLarge.id) \
+    VISIT(p.captureMsDraw.clipFromWorld) VISIT(p.captureMsDraw.size) \
+    VISIT(p.captureMsDraw.firstRow) \
+    VISIT(p.captureMs.shift) VISIT(p.captureMs.size) \
+    VISIT(p.expand.clipFromWorld) VISIT(p.expand.base) VISIT(p.expand.size) \
+    VISIT(p.expand.maskedFrom) \
+    VISIT(p.fragments.clipFromWorld) VISIT(p.fragments.eye) VISIT(p.fragments.base) \
+    VISIT(p.fragments.capacity) \
+    VISIT(p.rebuild.pixelNdc) \
+    VISIT(p.sampleGrid.size) VISIT(p.sampleGrid.fullSize) VISIT(p.sampleGrid.rate)
 // clang-format on
 
 #endif

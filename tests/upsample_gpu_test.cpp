@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <lodestar/gpu/readback.hpp>
+#include <lodestar/upsample/pack_coarse.hpp>
 #include <lodestar/upsample/upsample.hpp>
 
 #include "gpu_device.hpp"
@@ -61,6 +62,39 @@ protected:
         return values;
     }
 };
+
+TEST_F(UpsampleGpu, packedTexelsHoldWhatTheyWereGiven) {
+    const glm::ivec2 size(17, 9);
+    std::vector<std::uint64_t> terms;
+    std::vector<float> depths;
+    std::vector<std::uint32_t> normals;
+    for (int i = 0; i < size.x * size.y; ++i) {
+        const float t = float(i) / 160;
+        terms.push_back(glm::packHalf4x16({t, 1 - t, 3 * t, -t}));
+        depths.push_back(i % 5 == 0 ? 0 : 1 + t);
+        normals.push_back(shared::packNormal(glm::normalize(glm::vec3(t, 0.3f, 1))));
+    }
+    const gpu::Image coarse =
+        image("coarse", vk::Format::eR32G32B32A32Uint, size, std::vector<glm::uvec4>(terms.size()));
+    const gpu::Image term = image("terms", vk::Format::eR16G16B16A16Sfloat, size, terms);
+    const gpu::Image depth = image("depth", vk::Format::eR32Sfloat, size, depths);
+    const gpu::Image normal = image("normal", vk::Format::eR32Uint, size, normals);
+    const PackCoarse pass(device());
+    gpu::Recorder rec(device());
+    rec.begin();
+    pass.record(rec, {term, depth, normal}, coarse);
+    rec.submit();
+    const auto texels = gpu::as<glm::uvec4>(gpu::readImage(device(), coarse));
+    for (std::size_t i = 0; i < texels.size(); ++i) {
+        const glm::vec4 given = glm::unpackHalf4x16(terms[i]);
+        EXPECT_EQ(glm::unpackHalf2x16(texels[i].x), glm::vec2(given.x, given.y));
+        EXPECT_EQ(glm::unpackHalf2x16(texels[i].y), glm::vec2(given.z, given.w));
+        EXPECT_EQ(glm::uintBitsToFloat(texels[i].z), depths[i]);
+        const glm::vec3 n = depths[i] > 0 ? shared::unpackNormal(normals[i]) : glm::vec3(0, 0, 1);
+        EXPECT_NEAR(glm::unpackHalf2x16(texels[i].w).x, n.x / n.z, 2e-3f);
+        EXPECT_NEAR(glm::unpackHalf2x16(texels[i].w).y, n.y / n.z, 2e-3f);
+    }
+}
 
 // The results are halves: 2⁻¹¹ of a value up to 1. The rest is for positions and exponents in
 // single precision.

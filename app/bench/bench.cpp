@@ -30,6 +30,7 @@ std::string cellText(const std::string& key, const Json& row) {
     const double value = found->get<double>();
     if (key.ends_with("_ms")) return formatMs(value);
     if (key.ends_with("_db")) return fmt::format("{:.1f} dB", value);
+    if (key.ends_with("_bytes")) return formatBytes(static_cast<std::uint64_t>(value));
     if (key.ends_with("_share")) return fmt::format("{:.1f} %", 100 * value);
     if (found->is_number_integer()) return found->dump();
     return fmt::format("{:.{}f}", value, key == "ssim" || key == "flip" ? 4 : 2);
@@ -37,7 +38,7 @@ std::string cellText(const std::string& key, const Json& row) {
 
 /// "edge_psnr_db" → "edge psnr": cells say the unit.
 std::string headingOf(std::string key) {
-    for (const char* unit : {"_ms", "_db", "_share"})
+    for (const char* unit : {"_ms", "_db", "_share", "_bytes"})
         if (key.ends_with(unit)) key.resize(key.rfind('_'));
     std::replace(key.begin(), key.end(), '_', ' ');
     return key;
@@ -48,7 +49,7 @@ void printRows(const Json& rows, const std::string& measures,
     std::vector<Table::Column> columns;
     for (const std::string& key : keys) {
         const bool text = key == "scene" || key == "camera" || key == "method" || key == "path" ||
-                          key == "culling" || key == "lod";
+                          key == "size" || key == "culling" || key == "lod";
         columns.push_back({headingOf(key), text ? Table::Align::left : Table::Align::right});
     }
     Table table(columns);
@@ -101,8 +102,10 @@ std::string csvCell(const Json& value) {
 }  // namespace
 
 const std::vector<Bench>& benches() {
-    static const std::vector<Bench> all{shadingRateBench(), budgetHoldBench(), geometryLodBench(),
-                                        cullingScaleBench(), lodQualityBench()};
+    static const std::vector<Bench> all{
+        shadingRateBench(),       framebufferLodBench(),   budgetHoldBench(),
+        visibilityQualityBench(), visibilityMemoryBench(), visibilityTimeBench(),
+        geometryLodBench(),       cullingScaleBench(),     lodQualityBench()};
     return all;
 }
 
@@ -230,9 +233,7 @@ void addBench(CLI::App& app, int& exitCode) {
     std::vector<std::string> names{"list"};
     for (const Bench& bench : benches()) names.push_back(bench.name);
     command
-        ->add_option("NAME", *name,
-                     "list, or the bench to run: shading-rate, budget-hold, geometry-lod, "
-                     "culling-scale, lod-quality")
+        ->add_option("NAME", *name, "list, or the bench to run (`lodestar bench list` names them)")
         ->type_name("")
         ->required()
         ->check(CLI::IsMember(names));

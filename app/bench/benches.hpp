@@ -8,8 +8,16 @@ namespace lodestar::app {
 
 /// Cost and quality of shading at r = 1 … 4, and of attributes from visibility or a G-buffer.
 Bench shadingRateBench();
+/// The scenes of Yang et al. 2008, Figures 2 to 4.
+Bench framebufferLodBench();
 /// How well a budget is held along a camera path.
 Bench budgetHoldBench();
+/// Tables 1 and 2 of the thesis: attributes and shading rebuilt from visibility, against REF.
+Bench visibilityQualityBench();
+/// Table 3: bytes.
+Bench visibilityMemoryBench();
+/// Table 4: times.
+Bench visibilityTimeBench();
 
 /// Culling and levels of detail, each alone and together: the source's chart of six modes.
 Bench geometryLodBench();

@@ -18,9 +18,11 @@ layout(location = 3) out vec3 normal;   // world, not normalised
 layout(location = 4) out vec3 tangent;  // the same
 layout(location = 5) flat out float handedness;
 layout(location = 6) flat out uint materialIndex;
+layout(location = 7) flat out uint triangleId;
 
 void main() {
     const uint id = texelFetch(ids, gl_VertexIndex / 3).x;
+    triangleId = id;
     const GpuCluster cluster = loadCluster(id >> LS_TRIANGLE_BITS);
     const GpuInstance instance = loadInstance(cluster.instance);
     const uint number = cornerVertex(cluster, instance, id, uint(gl_VertexIndex % 3));

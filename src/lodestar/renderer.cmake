@@ -16,13 +16,21 @@ add_library(lodestar STATIC
     geometry/cull.cpp
     geometry/hiz.cpp
     geometry/show_lods.cpp
+    visibility/capture_compute.cpp
+    visibility/capture_ms.cpp
     visibility/capture_ss.cpp
+    visibility/compact.cpp
+    visibility/expand.cpp
+    visibility/fragments.cpp
     visibility/rebuild.cpp
+    visibility/sample_grid.cpp
     shading/coarse.cpp
     shading/combine.cpp
+    upsample/pack_coarse.cpp
     upsample/repair.cpp
     upsample/upsample.cpp
     post/tonemap.cpp
+    frame/capture_frame.cpp
     frame/frame.cpp
     frame/light_maps.cpp
 )
@@ -45,12 +53,25 @@ lodestar_shaders(lodestar
     geometry/scan_blocks.comp
     geometry/scan_totals.comp
     geometry/show_lods.comp
+    visibility/capture_args.comp
+    visibility/capture_clip.comp
+    visibility/capture_small.comp
+    visibility/capture_split.comp
+    visibility/capture_tile.comp
+    visibility/capture_ms.comp
+    visibility/capture_ms.frag
     visibility/capture_ss.vert
     visibility/capture_ss.frag
+    visibility/compact.comp
+    visibility/expand.comp
+    visibility/fragments.comp
     visibility/rebuild.comp
+    visibility/sample_grid.comp
+    visibility/resolve.comp
     shading/coarse.comp
     shading/combine.comp
     shading/repair_terms.comp
+    upsample/pack_coarse.comp
     upsample/repair_compact.comp
     upsample/repair_cut.comp
     upsample/upsample.comp

@@ -24,6 +24,9 @@ struct Levers {
     /// like the pixel; 0 = none.
     float repair = 0;
 
+    /// The whole shading goes to grid S, not the expensive terms alone (the paper's full resizing).
+    bool resizeAll = false;
+
     float rate(Term term) const {
         return 1 + (shadingRate - 1) * split[static_cast<std::size_t>(term)];
     }

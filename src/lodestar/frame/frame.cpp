@@ -121,11 +121,12 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       options(checked(s)),
       sky(sunDirection(gpuScene, s)),
       irradiance(sky.irradiance()),
-      aspect(static_cast<float>(s.size.width) / static_cast<float>(s.size.height)),
+      aspect(s.aspect > 0 ? s.aspect
+                          : static_cast<float>(s.size.width) / static_cast<float>(s.size.height)),
       cull(owner),
       showLods(owner),
       capture(owner, gpuScene.features()),
-      rebuild(owner, gpuScene.features()),
+      rebuildPass(owner, gpuScene.features()),
       coarse(owner),
       upsample(owner, s.reconstruct),
       repairSelect(owner),
@@ -143,7 +144,8 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       repairList(owner, s.size),
       viewBuffer(owner, "view", sizeof(shared::ViewParams), gpu::Residence::mapped),
       lightBuffer(owner, "light", sizeof(shared::LightParams), gpu::Residence::mapped),
-      idImage(target(owner, s.size, vk::Format::eR32Uint, "ids", Usage::eColorAttachment)),
+      idImage(target(owner, s.size, vk::Format::eR32Uint, "ids",
+                     Usage::eColorAttachment | Usage::eStorage)),
       depthBuffer(target(owner, s.size, vk::Format::eD32Sfloat, "depth buffer",
                          Usage::eDepthStencilAttachment)),
       skyImage(makeSkyImage(owner, sky)),
@@ -165,22 +167,53 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
 }
 
 gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers& levers) {
-    if (options.exposure == 0) meter(camera);
-    const glm::mat4 clipFromWorld = camera.clipFromView(aspect) * camera.viewFromWorld();
+    if (options.exposure == 0) {
+        options.exposure = 1;
+        render(camera, {});
+        meter();
+    }
     rec.begin();
-
     lightMaps.update(rec, *scene, cull, camera, aspect);
     writeUniforms(camera);
 
     // Which triangle does each pixel show?
-    findVisible({.clipFromWorld = clipFromWorld,
+    findVisible({.clipFromWorld = clipFromWorld(camera),
                  .eye = camera.eye,
                  .size = options.size,
                  .cull = options.cull,
                  .lod = options.lod});
 
+    shade(levers);
+    return rec.submit();
+}
+
+gpu::FrameTimes Frame::rebuild(const visibility::CompactRecord& from, const scene::Camera& camera,
+                               const budget::Levers& levers) {
+    if (options.exposure == 0) {
+        options.exposure = 1;
+        rebuild(from, camera, {});
+        meter();
+    }
+    if (!rebuilding || rebuilding->side != from.side)
+        rebuilding = Rebuilding{from.side, {*device, from.side}};
+    rec.begin();
+    lightMaps.update(rec, *scene, cull, camera, aspect);
+    writeUniforms(camera);
+    rebuilding->expand.record(rec, *scene, from, clipFromWorld(camera), idImage);
+    rec.barrier(Stage::compute, Stage::compute);
+    shade(levers);
+    return rec.submit();
+}
+
+void Frame::shade(const budget::Levers& levers) {
+    if (levers.resizeAll && levers.shadingRate > 1) {
+        shadeOnGridS(levers.shadingRate);
+        rec.barrier(Stage::compute, Stage::compute);
+        tonemap.record(rec, radianceImage, options.exposure, displayImage);
+        return;
+    }
     // What is exact on grid O, and the expensive terms on grids S.
-    rebuild.record(rec, *scene, {idImage, viewBuffer}, surfaces);
+    rebuildPass.record(rec, *scene, {idImage, viewBuffer}, surfaces);
     evaluateTerms(levers);
     rec.barrier(Stage::compute, Stage::compute);
 
@@ -194,8 +227,138 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
         rec.barrier(Stage::compute, Stage::compute);
         showLods.record(rec, *scene, idImage, displayImage);
     }
+}
 
-    return rec.submit();
+Frame::Whole Frame::makeWhole() const {
+    const auto image = [&](vk::Format format, const char* name) {
+        return target(*device, options.size, format, name, Usage::eStorage);
+    };
+    return {.sampleGrid = visibility::SampleGrid(*device),
+            .guides = {*device, scene::SceneFeatures{}},
+            .pack = upsample::PackCoarse(*device),
+            .ids = image(vk::Format::eR32Uint, "grid S: ids"),
+            .points = image(vk::Format::eR32G32Sfloat, "grid S: points"),
+            .terms = image(vk::Format::eR16G16B16A16Sfloat, "grid S: terms"),
+            .radiance = image(vk::Format::eR16G16B16A16Sfloat, "grid S: radiance"),
+            .surfaces = {*device, options.size}};
+}
+
+/// Everything on grid S, reconstructed as one colour: what the paper calls full resizing.
+void Frame::shadeOnGridS(float rate) {
+    if (!whole) whole.emplace(makeWhole());
+    listHolds = false;
+    const vk::Extent2D size = shading::coarseExtent(options.size, rate);
+    const auto part = [&](const gpu::Image& image) {
+        gpu::View view = image;
+        view.extent = size;
+        return view;
+    };
+    const gpu::View ids = part(whole->ids), points = part(whole->points);
+    whole->sampleGrid.record(rec, idImage, rate, {ids, points});
+    rec.barrier(Stage::compute, Stage::compute);
+    rebuildPass.record(rec, *scene, {ids, viewBuffer, points, size}, whole->surfaces);
+    coarse.recordFull(
+        rec, *scene,
+        {ids, lightMaps.sunMap(), lightMaps.skyMaps(), viewBuffer, lightBuffer, points},
+        shared::LS_ALL_TERMS, part(whole->terms));
+    rec.barrier(Stage::compute, Stage::compute);
+    const visibility::Surface& surface = whole->surfaces;
+    combine.record(rec,
+                   {viewBuffer, lightBuffer, surface.depth, surface.material, surface.emissive,
+                    whole->terms, skyImage, scene->lights, points},
+                   part(whole->radiance));
+    // Conventional resizing has no guides and needs no depth and normal of O.
+    const bool guided = upsample.guided();
+    if (guided) whole->guides.record(rec, *scene, {idImage, viewBuffer}, surfaces);
+    rec.barrier(Stage::compute, Stage::compute);
+    whole->pack.record(rec, {part(whole->radiance), surface.depth, surface.normal}, coarseImage);
+    rec.barrier(Stage::compute, Stage::compute);
+    upsample.record(rec, {coarseImage, surfaces.depth, surfaces.normal, size, rate}, options.sigmas,
+                    radianceImage);
+}
+
+glm::mat4 Frame::clipFromWorld(const scene::Camera& camera) const {
+    return camera.clipFromView(aspect) * camera.viewFromWorld();
+}
+
+Frame::Smooth Frame::makeSmooth(const visibility::CompactRecord& from,
+                                std::uint32_t capacity) const {
+    visibility::FragmentSet set(*device, from, capacity);
+    const vk::Extent2D more = set.moreIds.extent();
+    const auto radiance = [&](vk::Extent2D extent, const char* name) {
+        return target(*device, extent, vk::Format::eR16G16B16A16Sfloat, name, Usage::eStorage);
+    };
+    return {.side = from.side,
+            .fragments = {*device, from.side},
+            .resolve = {*device, from.side},
+            .set = std::move(set),
+            .surfaces = {*device, more},
+            .terms = radiance(more, "fragments: terms"),
+            .radiance = radiance(more, "fragments: radiance"),
+            .mainRadiance = radiance(options.size, "fragments: main radiance")};
+}
+
+gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
+                                          const scene::Camera& camera) {
+    if (from.base != options.size)
+        throw std::invalid_argument("Frame::rebuildAntialiased: the record has another size");
+    if (options.exposure == 0) {
+        options.exposure = 1;
+        rebuildAntialiased(from, camera);
+        meter();
+    }
+    const std::uint32_t pixels = from.base.width * from.base.height;
+    if (!smooth || smooth->side != from.side ||
+        smooth->set.merges.bytes() < from.lists.buffer().bytes())
+        smooth.emplace(makeSmooth(from, pixels / 4 + 1));
+    rec.begin();
+    smooth->fragments.recordCount(rec, *scene, from, clipFromWorld(camera), camera.eye,
+                                  smooth->set);
+    const gpu::FrameTimes counted = rec.submit();
+    if (const std::uint32_t needed = smooth->set.needed(); needed > smooth->set.capacity) {
+        // Rare enough to count again, in a set that has room.
+        smooth.emplace(makeSmooth(from, needed + needed / 4));
+        return rebuildAntialiased(from, camera);
+    }
+
+    rec.begin();
+    lightMaps.update(rec, *scene, cull, camera, aspect);
+    writeUniforms(camera);
+    auto& set = smooth->set;
+    smooth->fragments.recordWrite(rec, *scene, from, clipFromWorld(camera), camera.eye, set);
+    rec.barrier(Stage::compute, Stage::compute);
+    const auto shadeAt = [&](const gpu::View& ids, const gpu::View& points,
+                             const visibility::Surface& surface, const gpu::View& terms,
+                             const gpu::View& radiance) {
+        rebuildPass.record(rec, *scene, {ids, viewBuffer, points, options.size}, surface);
+        coarse.recordFull(
+            rec, *scene,
+            {ids, lightMaps.sunMap(), lightMaps.skyMaps(), viewBuffer, lightBuffer, points},
+            shared::LS_ALL_TERMS, terms);
+        rec.barrier(Stage::compute, Stage::compute);
+        combine.record(rec,
+                       {viewBuffer, lightBuffer, surface.depth, surface.material, surface.emissive,
+                        terms, skyImage, scene->lights, points},
+                       radiance);
+    };
+    shadeAt(set.ids, set.points, surfaces, termImage, smooth->mainRadiance);
+    const auto part = [&](const gpu::Image& image) {
+        gpu::View view = image;
+        view.extent = set.moreExtent();
+        return view;
+    };
+    if (set.needed() > 0)
+        shadeAt(part(set.moreIds), part(set.morePoints), smooth->surfaces, part(smooth->terms),
+                part(smooth->radiance));
+    rec.barrier(Stage::compute, Stage::compute);
+    smooth->resolve.record(rec, set, smooth->mainRadiance, smooth->radiance, radianceImage);
+    rec.barrier(Stage::compute, Stage::compute);
+    tonemap.record(rec, radianceImage, options.exposure, displayImage);
+    gpu::FrameTimes times = rec.submit();
+    times.gpuMs += counted.gpuMs;
+    times.wallMs += counted.wallMs;
+    times.passes.insert(times.passes.begin(), counted.passes.begin(), counted.passes.end());
+    return times;
 }
 
 /// Culls and captures; what is hidden, in two phases: first what the last picture does not hide,
@@ -264,10 +427,7 @@ std::uint32_t Frame::repairedPixels() const {
         .kept;
 }
 
-/// Sets the exposure by what the camera sees at full quality.
-void Frame::meter(const scene::Camera& camera) {
-    options.exposure = 1;
-    render(camera, {});
+void Frame::meter() {
     std::vector<glm::vec4> texels;
     for (const auto bits : gpu::as<std::uint64_t>(gpu::readImage(*device, radianceImage)))
         texels.push_back(glm::unpackHalf4x16(bits));

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include <lodestar/budget/levers.hpp>
 #include <lodestar/frame/light_maps.hpp>
@@ -12,9 +13,13 @@
 #include <lodestar/shading/coarse.hpp>
 #include <lodestar/shading/combine.hpp>
 #include <lodestar/shading/sky.hpp>
+#include <lodestar/upsample/pack_coarse.hpp>
 #include <lodestar/upsample/upsample.hpp>
 #include <lodestar/visibility/capture_ss.hpp>
+#include <lodestar/visibility/expand.hpp>
+#include <lodestar/visibility/fragments.hpp>
 #include <lodestar/visibility/rebuild.hpp>
+#include <lodestar/visibility/sample_grid.hpp>
 
 namespace lodestar::frame {
 
@@ -32,6 +37,7 @@ struct FrameSettings {
     float noiseScale = 0;      ///< cells of its first octave [scene units]; 0 = 1/8 of the scene
     float leastWeight = 0.1f;  ///< pixels reconstructed from less may be repaired
     float exposure = 1;        ///< 0: metered on the first frame, and kept
+    float aspect = 0;          ///< width / height that the picture shows; 0 = that of `size`
     upsample::Reconstruct reconstruct = upsample::Reconstruct::bilateral;
     upsample::Sigmas sigmas;
     geometry::CullMode cull = geometry::CullMode::frustum;
@@ -47,6 +53,16 @@ public:
 
     /// Renders one picture and waits for it.
     gpu::FrameTimes render(const scene::Camera&, const budget::Levers&);
+
+    /// The same picture from visibility that was captured before, at any size: `record` is a
+    /// capture of the same camera and aspect.
+    gpu::FrameTimes rebuild(const visibility::CompactRecord&, const scene::Camera&,
+                            const budget::Levers&);
+    /// Anti-aliased, at the size of the record's grid B and at full shading rate: every surface a
+    /// pixel lists is shaded once and weighs as many samples as show it.
+    gpu::FrameTimes rebuildAntialiased(const visibility::CompactRecord&, const scene::Camera&);
+    /// Of the last rebuildAntialiased: fragments shaded beyond one a pixel.
+    std::uint32_t furtherFragments() const { return smooth ? smooth->set.needed() : 0; }
 
     /// The last picture: RGBA8, sRGB-encoded.
     const gpu::Image& display() const { return displayImage; }
@@ -64,8 +80,37 @@ public:
     const FrameSettings& settings() const { return options; }
 
 private:
-    void meter(const scene::Camera&);
+    void shade(const budget::Levers&);
     void evaluateTerms(const budget::Levers&);
+    void shadeOnGridS(float rate);
+    /// Sets the exposure by the last frame's radiance.
+    void meter();
+    glm::mat4 clipFromWorld(const scene::Camera&) const;
+
+    /// What rebuilding from records of one rate needs.
+    struct Rebuilding {
+        std::uint32_t side;
+        visibility::Expand expand;
+    };
+    /// What anti-aliasing needs beside it.
+    struct Smooth {
+        std::uint32_t side;
+        visibility::Fragments fragments;
+        visibility::Resolve resolve;
+        visibility::FragmentSet set;
+        visibility::Surface surfaces;  // of the further fragments
+        gpu::Image terms, radiance, mainRadiance;
+    };
+    /// What shading as a whole on grid S needs.
+    struct Whole {
+        visibility::SampleGrid sampleGrid;
+        visibility::Rebuild guides;  ///< depth and normal of O alone: no textures
+        upsample::PackCoarse pack;
+        gpu::Image ids, points, terms, radiance;
+        visibility::Surface surfaces;
+    };
+    Whole makeWhole() const;
+    Smooth makeSmooth(const visibility::CompactRecord&, std::uint32_t capacity) const;
     void writeUniforms(const scene::Camera&);
     void findVisible(const geometry::CullView&);
 
@@ -81,7 +126,7 @@ private:
     geometry::Cull cull;
     geometry::ShowLods showLods;
     visibility::CaptureSs capture;
-    visibility::Rebuild rebuild;
+    visibility::Rebuild rebuildPass;
     shading::Coarse coarse;
     upsample::Upsample upsample;
     upsample::RepairSelect repairSelect;
@@ -96,6 +141,10 @@ private:
     gpu::Buffer viewBuffer, lightBuffer;
     gpu::Image idImage, depthBuffer, skyImage, coarseImage, termImage, radianceImage, displayImage;
     visibility::Surface surfaces;
+
+    std::optional<Rebuilding> rebuilding;
+    std::optional<Smooth> smooth;
+    std::optional<Whole> whole;
     gpu::Recorder rec;
 };
 

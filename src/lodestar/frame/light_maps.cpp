@@ -27,7 +27,7 @@ LightMaps::LightMaps(const gpu::Device& device, const scene::GpuScene& scene,
     : options(settings),
       light(sky),
       capture(device, scene.features(), visibility::CaptureSs::Writes::depthOnly),
-      list(device, scene, "light"),
+      list(device, scene, "light", scene::TablePart::light),
       sunImage(depthMaps(device, settings.sunTexels, 1, "sun map")),
       skyImage(depthMaps(device, settings.skyTexels, settings.skyViews, "sky maps")) {}
 

@@ -28,7 +28,7 @@ void main() {
     if ((candidate.y & LS_CANDIDATE_VISIBLE) == 0) return;
     const uint place = offsets[index] + offsets[totals + index / LS_BLOCK];
     if (place >= counts.lists[second ? LS_LIST_CLUSTERS_2 : LS_LIST_CLUSTERS].count) return;
-    const uint number = 1 + place + (second ? counts.lists[LS_LIST_CLUSTERS].count : 0);
+    const uint number = push.table + place + (second ? counts.lists[LS_LIST_CLUSTERS].count : 0);
 
     const uint meshletIndex = candidate.y & ~LS_CANDIDATE_VISIBLE;
     const GpuMeshlet meshlet = loadMeshlet(meshletIndex);

@@ -127,7 +127,8 @@ constexpr std::uint64_t at(std::uint32_t list, std::uint64_t which) {
 
 }  // namespace
 
-DrawList::DrawList(const gpu::Device& device, const scene::GpuScene& scene, const std::string& name)
+DrawList::DrawList(const gpu::Device& device, const scene::GpuScene& scene, const std::string& name,
+                   scene::TablePart ofTable)
     : ids(device, name + ": triangle ids", 4ull * scene.triangleCapacity(), kUint),
       draws(device, name + ": draws", 2 * scene::kDrawBins * sizeof(vk::DrawIndirectCommand)),
       counts(device, name + ": counts", sizeof(shared::CullCounts)),
@@ -147,7 +148,9 @@ DrawList::DrawList(const gpu::Device& device, const scene::GpuScene& scene, cons
       chunkCount(scene.chunkCount()),
       instancePlaces(scene.chunkCount() * shared::LS_CHUNK),
       clusterPlaces(scene.clusterCapacity() - 1),
-      trianglePlaces(scene.triangleCapacity()) {}
+      trianglePlaces(scene.triangleCapacity()),
+      part(ofTable),
+      table(scene.tableStart(ofTable)) {}
 
 Cull::Cull(const gpu::Device& device)
     : cullChunks(device, "cull chunks", kChunksCode,
@@ -232,7 +235,11 @@ void Cull::start(gpu::Recorder& rec, const scene::GpuScene& scene, const CullVie
                  DrawList& list, const HiZ* hiz) const {
     if (view.size.width == 0 || view.size.height == 0)
         throw std::invalid_argument("CullView::size is 0");
-    const shared::CullParams params = paramsOf(view, scene, hiz);
+    shared::CullParams params = paramsOf(view, scene, hiz);
+    params.listAll = list.part == scene::TablePart::whole;
+    if (params.listAll && (view.lod.mode != LodChoice::Mode::off || hiz != nullptr))
+        throw std::invalid_argument(
+            "Cull: a list of the whole table has no levels of detail and no Hi-Z");
     const std::uint32_t count = scene.chunkCount();
     const auto inRows = [](std::uint32_t groups, std::uint32_t* to) {
         const std::uint32_t rows = gpu::groups(groups, 32768);
@@ -276,7 +283,7 @@ void Cull::listClusters(gpu::Recorder& rec, const scene::GpuScene& scene, DrawLi
         second ? shared::LS_LIST_CANDIDATES_2 : shared::LS_LIST_CANDIDATES;
     const std::uint32_t clusters = second ? shared::LS_LIST_CLUSTERS_2 : shared::LS_LIST_CLUSTERS;
     const gpu::TexelBuffer& offsets = second ? list.secondOffsets : list.firstOffsets;
-    const shared::PhaseParams phase{.phase = number};
+    const shared::PhaseParams phase{.phase = number, .table = list.table};
 
     rec.dispatchIndirect(cullInstances, list.counts, at(shared::LS_LIST_INSTANCES, kGroups),
                          scene::withScene(scene, {list.params, scene.chunks, scene.drawOrder,
@@ -319,7 +326,7 @@ void Cull::listTriangles(gpu::Recorder& rec, const scene::GpuScene& scene, DrawL
     const std::uint32_t clusters = second ? shared::LS_LIST_CLUSTERS_2 : shared::LS_LIST_CLUSTERS;
     const std::uint32_t triangles =
         second ? shared::LS_LIST_TRIANGLES_2 : shared::LS_LIST_TRIANGLES;
-    const shared::PhaseParams phase{.phase = number};
+    const shared::PhaseParams phase{.phase = number, .table = list.table};
     rec.dispatchIndirect(
         cullTriangles, list.counts, at(clusters, kSlots),
         scene::withScene(scene, {list.params, list.counts, list.masks, list.triangleOffsets}),

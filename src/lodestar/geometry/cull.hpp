@@ -36,7 +36,9 @@ struct CullView {
 /// The triangles of one view, ready to draw: their ids in cluster order, and one
 /// indirect draw a phase and bin. Deterministic: the same view gives the same bytes.
 struct DrawList {
-    DrawList(const gpu::Device&, const scene::GpuScene&, const std::string& name);
+    /// A list of TablePart::whole names clusters by numbers that no view changes: what is to be kept.
+    DrawList(const gpu::Device&, const scene::GpuScene&, const std::string& name,
+             scene::TablePart = scene::TablePart::eye);
 
     gpu::TexelBuffer ids;  ///< cluster << 7 | meshlet triangle; clusters of GpuScene::clusters
     gpu::Buffer draws;     ///< vk::DrawIndirectCommand for each scene::DrawBin: those of the first
@@ -51,6 +53,8 @@ struct DrawList {
     gpu::Buffer candidates, candidateOffsets, hidden;  ///< meshlets to look at; visible before each
     gpu::Buffer masks, triangleOffsets;                ///< of each visible cluster
     std::uint32_t chunkCount, instancePlaces, clusterPlaces, trianglePlaces;
+    scene::TablePart part;  ///< of GpuScene::clusters that the ids name
+    std::uint32_t table;    ///< where it begins
 };
 
 /// Culling and levels of detail on the GPU without read-back: chunks of instances, instances,

@@ -18,5 +18,5 @@ void main() {
     if (index >= params.chunkCount) return;
     const vec4 sphere = uintBitsToFloat(texelFetch(chunks, int(2 * index)));
     flags[index] =
-        params.mode == LS_CULL_NONE || inFrustum(sphere.xyz, sphere.w) ? 1 : 0;
+        params.mode == LS_CULL_NONE || params.listAll != 0 || inFrustum(sphere.xyz, sphere.w) ? 1 : 0;
 }

@@ -64,11 +64,12 @@ void main() {
     const GpuMeshlet meshlet = loadMeshlet(meshletIndex);
     const vec3 centre = transformPoint(instance, meshlet.centre);
     const float radius = meshlet.radius * instance.maxScale;
-    bool visible = params.mode == LS_CULL_NONE || inFrustum(centre, radius);
+    const bool all = params.mode == LS_CULL_NONE || params.listAll != 0;
+    bool visible = all || inFrustum(centre, radius);
 
     // Cones hold for surfaces that are culled from behind; of others cutoff is 1 (gpu_scene.cpp).
     const uint relevant = LS_INSTANCE_CONE_VALID | LS_INSTANCE_REFLECTED;
-    if (params.mode != LS_CULL_NONE && params.useCones != 0 && meshlet.coneCutoff < 1 &&
+    if (!all && params.useCones != 0 && meshlet.coneCutoff < 1 &&
         (instance.flags & relevant) == LS_INSTANCE_CONE_VALID) {
         const vec3 axis = normalize(transformDirection(instance, meshlet.coneAxis));
         const vec3 away = centre - params.eye;

@@ -79,7 +79,7 @@ void main() {
         const vec4 sphere = uintBitsToFloat(texelFetch(meshes, int(2 * instance.mesh)));
         const vec3 centre = transformPoint(instance, sphere.xyz);
         const float radius = sphere.w * instance.maxScale;
-        if (params.mode == LS_CULL_NONE || inFrustum(centre, radius)) {
+        if (params.mode == LS_CULL_NONE || params.listAll != 0 || inFrustum(centre, radius)) {
             const uvec4 levels = texelFetch(meshes, int(2 * instance.mesh + 1));
             const uint lod = pickLod(levels.x, levels.y, instance.maxScale, centre, radius);
             state = index | lod << LS_STATE_LOD_SHIFT;

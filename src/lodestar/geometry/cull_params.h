@@ -40,6 +40,7 @@ struct CullParams {
     uint hizValid;  // whether there is a pyramid for the first phase
     uint hizLevels;
     vec2 hizSize;                    // pixels of the picture the pyramid is of
+    uint listAll;  // every meshlet has its place in the list, in view or not
     uint hizOffsets[LS_HIZ_LEVELS];  // where each level begins; LS_HIZ_FIRST is the first there is
 };
 
@@ -84,7 +85,7 @@ struct ScanParams {
 
 struct PhaseParams {
     uint phase;  // 0 or 1
-    uint capacity;
+    uint table;  // where the view's clusters begin in GpuScene::clusters
 };
 
 struct HizParams {
@@ -111,7 +112,7 @@ const uint LS_CANDIDATE_VISIBLE = 1u << 31;  // beside a meshlet's number
 
 LS_NAMESPACE_END
 #ifdef __cplusplus
-static_assert(sizeof(lodestar::shared::CullParams) == 440);
+static_assert(sizeof(lodestar::shared::CullParams) == 444);
 static_assert(sizeof(lodestar::shared::CullList) == 48);
 static_assert(sizeof(lodestar::shared::CullCounts) == 400);
 #endif

@@ -46,7 +46,7 @@ void main() {
     const bool second = push.phase == 1;
     if (which >= counts.lists[second ? LS_LIST_CLUSTERS_2 : LS_LIST_CLUSTERS].count) return;
     const GpuCluster cluster =
-        loadCluster(1 + which + (second ? counts.lists[LS_LIST_CLUSTERS].count : 0));
+        loadCluster(push.table + which + (second ? counts.lists[LS_LIST_CLUSTERS].count : 0));
     const bool doubleSided = (cluster.bin & 1) != 0;  // of scene::DrawBin
     // A loop of one round: a CPU driver runs both sides of a branch, but leaves a loop that no lane
     // is in. Half of the slots are empty.

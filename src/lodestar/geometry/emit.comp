@@ -28,9 +28,9 @@ struct Lists {
 
 Lists listsOf(uint phase) {
     if (phase == 0)
-        return Lists(counts.lists[LS_LIST_CLUSTERS].count, 1, counts.lists[LS_LIST_TRIANGLES].count,
+        return Lists(counts.lists[LS_LIST_CLUSTERS].count, push.table, counts.lists[LS_LIST_TRIANGLES].count,
                      0);
-    return Lists(counts.lists[LS_LIST_CLUSTERS_2].count, 1 + counts.lists[LS_LIST_CLUSTERS].count,
+    return Lists(counts.lists[LS_LIST_CLUSTERS_2].count, push.table + counts.lists[LS_LIST_CLUSTERS].count,
                  counts.lists[LS_LIST_TRIANGLES_2].count, counts.lists[LS_LIST_TRIANGLES].count);
 }
 

@@ -116,6 +116,22 @@ FeatureChain supportedFeatures(const vk::raii::PhysicalDevice& device) {
                       vk::PhysicalDeviceVulkan12Features, vk::PhysicalDeviceVulkan13Features>();
 }
 
+bool supportsInt64Atomics(const vk::raii::PhysicalDevice& device) {
+    FeatureChain chain = supportedFeatures(device);
+    return chain.get<vk::PhysicalDeviceFeatures2>().features.shaderInt64 &&
+           chain.get<vk::PhysicalDeviceVulkan12Features>().shaderBufferInt64Atomics;
+}
+
+/// The most, up to 8, that colour and depth targets and their reading all take.
+std::uint32_t mostSamples(const vk::PhysicalDeviceLimits& limits) {
+    const vk::SampleCountFlags both = limits.framebufferColorSampleCounts &
+                                      limits.framebufferDepthSampleCounts &
+                                      limits.sampledImageColorSampleCounts;
+    if (!limits.standardSampleLocations) return 1;
+    if (both & vk::SampleCountFlagBits::e8) return 8;
+    return both & vk::SampleCountFlagBits::e4 ? 4 : 1;
+}
+
 std::string whyUnusable(const vk::raii::PhysicalDevice& device) {
     const auto properties = device.getProperties();
     if (properties.apiVersion < kApiVersion)
@@ -272,6 +288,12 @@ void Device::open(std::uint32_t) {
                            enabled.get<vk::PhysicalDeviceVulkan13Features>());
     enabled.get<vk::PhysicalDeviceFeatures2>().features.samplerAnisotropy =
         supported.get<vk::PhysicalDeviceFeatures2>().features.samplerAnisotropy;
+    enabled.get<vk::PhysicalDeviceFeatures2>().features.sampleRateShading =
+        supported.get<vk::PhysicalDeviceFeatures2>().features.sampleRateShading;
+    if (supportsInt64Atomics(*physicalDevice)) {
+        enabled.get<vk::PhysicalDeviceFeatures2>().features.shaderInt64 = VK_TRUE;
+        enabled.get<vk::PhysicalDeviceVulkan12Features>().shaderBufferInt64Atomics = VK_TRUE;
+    }
 
     const float priority = 1;
     const vk::DeviceQueueCreateInfo queueInfo{
@@ -292,7 +314,11 @@ void Device::readProperties() {
     const auto queues = physicalDevice->getQueueFamilyProperties();
     if (queues[family].timestampValidBits > 0)
         tickMs = physicalDevice->getProperties().limits.timestampPeriod * 1e-6;
+    // What a host enabled beyond the requirements is not known.
     anisotropy = physicalDevice->getFeatures().samplerAnisotropy && !hostOwned;
+    int64Atomics = supportsInt64Atomics(*physicalDevice) && !hostOwned;
+    if (physicalDevice->getFeatures().sampleRateShading && !hostOwned)
+        samples = mostSamples(physicalDevice->getProperties().limits);
     setupPool.emplace(*device,
                       vk::CommandPoolCreateInfo{.flags = vk::CommandPoolCreateFlagBits::eTransient,
                                                 .queueFamilyIndex = family});
@@ -301,6 +327,8 @@ void Device::readProperties() {
 std::vector<OptionalFeature> Device::optionalFeatures() const {
     return {{"timestamps", tickMs > 0, "frame times from the CPU clock, none per pass"},
             {"samplerAnisotropy", anisotropy, "trilinear texture filtering"},
+            {"64-bit atomics", int64Atomics, "visibility captured by the raster pipeline"},
+            {"multisampling", samples > 1, "visibility captured by supersampling"},
             {"VK_EXT_debug_utils", debugNames, "objects and passes without names in debuggers"}};
 }
 

@@ -89,6 +89,11 @@ public:
     /// Milliseconds of one timestamp tick; 0 where the queue has no timestamps.
     double timestampMs() const { return tickMs; }
     bool hasAnisotropy() const { return anisotropy; }
+    /// 64-bit integers and 64-bit atomics on buffers: what capture in compute needs.
+    bool hasInt64Atomics() const { return int64Atomics; }
+    /// Most samples a pixel, up to 8, of colour and depth targets at the standard locations; 1 =
+    /// no multisampling.
+    std::uint32_t multisamples() const { return samples; }
 
     /// Records with `record` and waits until the device has run it. For set-up, not for frames.
     void runNow(const std::function<void(const vk::raii::CommandBuffer&)>& record) const;
@@ -139,7 +144,8 @@ private:
     std::string reason;
     std::uint32_t family = 0;
     double tickMs = 0;
-    bool debugNames = false, anisotropy = false, hostOwned = false;
+    bool debugNames = false, anisotropy = false, int64Atomics = false, hostOwned = false;
+    std::uint32_t samples = 1;
 
     mutable std::map<VkDeviceMemory, Allocation> ledger;
     mutable std::uint64_t bytesNow = 0, bytesPeak = 0;

@@ -39,7 +39,7 @@ Image::Image(const Device& owner, const ImageInfo& info) : device(&owner) {
                                         .extent = {info.extent.width, info.extent.height, 1},
                                         .mipLevels = info.levels,
                                         .arrayLayers = info.layers,
-                                        .samples = vk::SampleCountFlagBits::e1,
+                                        .samples = vk::SampleCountFlagBits(info.samples),
                                         .tiling = vk::ImageTiling::eOptimal,
                                         .usage = info.usage});
     memory = owner.allocate(image.getMemoryRequirements(), vk::MemoryPropertyFlagBits::eDeviceLocal,

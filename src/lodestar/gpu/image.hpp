@@ -24,6 +24,7 @@ struct ImageInfo {
     vk::ImageUsageFlags usage;
     std::uint32_t layers = 1, levels = 1;
     bool array = false;  ///< view as a 2D array, even with one layer
+    std::uint32_t samples = 1;
 };
 
 /// A 2D image (array) with its own memory, in layout GENERAL from the start.

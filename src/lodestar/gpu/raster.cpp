@@ -31,8 +31,10 @@ RasterPipeline::RasterPipeline(const Device& device, const RasterInfo& info)
         .cullMode = info.cull,
         .frontFace = vk::FrontFace::eCounterClockwise,
         .lineWidth = 1};
-    const vk::PipelineMultisampleStateCreateInfo multisample{.rasterizationSamples =
-                                                                 vk::SampleCountFlagBits::e1};
+    const vk::PipelineMultisampleStateCreateInfo multisample{
+        .rasterizationSamples = vk::SampleCountFlagBits(info.samples),
+        .sampleShadingEnable = info.sampleShading,
+        .minSampleShading = 1};
     const vk::PipelineDepthStencilStateCreateInfo depthStencil{
         .depthTestEnable = true,
         .depthWriteEnable = true,

@@ -11,7 +11,9 @@ struct RasterInfo {
     std::vector<vk::Format> colors;
     vk::Format depth = vk::Format::eD32Sfloat;
     vk::CullModeFlags cull = vk::CullModeFlagBits::eBack;
-    bool depthClamp = false;  ///< keep what lies before the near plane, at its depth
+    bool depthClamp = false;     ///< keep what lies before the near plane, at its depth
+    std::uint32_t samples = 1;   ///< of the targets
+    bool sampleShading = false;  ///< run the fragment shader once a sample
     std::vector<SlotArray> slots;
     std::uint32_t pushBytes = 0;
     Specialization constants;

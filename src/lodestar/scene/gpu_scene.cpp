@@ -12,6 +12,7 @@
 namespace lodestar::scene {
 
 using shared::GpuChunk;
+using shared::GpuCluster;
 using shared::GpuInstance;
 using shared::GpuLight;
 using shared::GpuLod;
@@ -32,6 +33,8 @@ struct GpuScene::Packed {
     std::vector<GpuMeshlet> meshlets;
     std::vector<GpuMesh> meshes;
     std::vector<GpuLod> lods;
+    std::vector<GpuCluster> clusters;  // all at the finest level, after the unused one
+    std::array<std::uint32_t, kDrawBins + 1> wholeBins{};
     std::vector<GpuMaterialRecord> materials;
     TextureArrays textures;
     SceneFeatures features;
@@ -240,6 +243,26 @@ void GpuScene::Packed::arrange(const Scene& scene) {
         ++chunkSpans.back().y;
     }
     for (; bin < kDrawBins; ++bin) bins[bin + 1] = static_cast<std::uint32_t>(chunkSpans.size());
+
+    // In the order in which Cull lists them all.
+    clusters.reserve(std::min(clustersDrawn, kMaxVisibleClusters) + 1);
+    clusters.push_back({});
+    wholeBins.fill(1);
+    for (const std::uint32_t i : order) {
+        const GpuMesh& mesh = meshes[scene.instances[i].mesh];
+        const GpuLod& lod = lods[mesh.firstLod];
+        for (std::uint32_t m = lod.firstMeshlet; m < lod.firstMeshlet + lod.meshletCount; ++m) {
+            if (clusters.size() > kMaxVisibleClusters) break;
+            clusters.push_back({.instance = i,
+                                .meshlet = m,
+                                .triangles = meshlets[m].triangles,
+                                .material = meshlets[m].material,
+                                .triangleCount = meshlets[m].triangleCount,
+                                .bin = mesh.bin});
+        }
+        for (std::size_t later = mesh.bin + 1; later <= kDrawBins; ++later)
+            wholeBins[later] = static_cast<std::uint32_t>(clusters.size());
+    }
 }
 
 GpuScene::GpuScene(const gpu::Device& device, const Scene& scene,
@@ -285,7 +308,7 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene, Packed&& packe
       drawOrder(gpu::makeTexelBuffer(device, "draw order", packed.order, vk::Format::eR32Uint)),
       clusters(
           device, "visible clusters",
-          sizeof(shared::GpuCluster) * (std::min(packed.clustersDrawn, kMaxVisibleClusters) + 1),
+          3 * sizeof(GpuCluster) * packed.clusters.size(),
           kWords),
       secondUvs(
           gpu::makeTexelBuffer(device, "second uvs", packed.secondUvs, vk::Format::eR32G32Sfloat)),
@@ -294,6 +317,7 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene, Packed&& packe
       sceneFeatures(packed.features),
       bins(packed.bins),
       order(std::move(packed.order)),
+      wholeBins(packed.wholeBins),
       chunkSpans(std::move(packed.chunkSpans)),
       clustersDrawn(packed.clustersDrawn),
       trianglesDrawn(packed.trianglesDrawn),
@@ -305,6 +329,7 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene, Packed&& packe
             .width = 1, .height = 1, .layers = 1, .mipLevels = 1, .texels = {255, 255, 255, 255}};
         textureArrays.push_back(uploadTextures(device, white, 0));
     }
+    clusters.buffer().upload(packed.clusters);
     animate(0);
 }
 
@@ -376,6 +401,10 @@ std::vector<GpuChunk> GpuScene::packChunks() const {
 
 std::uint32_t GpuScene::clusterCapacity() const {
     return static_cast<std::uint32_t>(std::min(clustersDrawn, kMaxVisibleClusters) + 1);
+}
+
+std::uint32_t GpuScene::tableStart(TablePart part) const {
+    return part == TablePart::whole ? 1 : static_cast<std::uint32_t>(part) * clusterCapacity();
 }
 
 std::uint32_t GpuScene::triangleCapacity() const {

@@ -17,6 +17,13 @@ namespace lodestar::scene {
 enum class DrawBin { opaque, opaqueDoubleSided, masked, maskedDoubleSided };
 inline constexpr std::size_t kDrawBins = 4;
 
+/// Parts of the table of clusters that triangle ids name.
+enum class TablePart {
+    whole,  ///< every meshlet at the finest level, by the same numbers always
+    eye,    ///< what the view culled last lists
+    light,  ///< the same, for views that are culled between the eye's and its last reader
+};
+
 /// What shaders need to know about a scene when they are compiled (specialization constants), so
 /// that a scene pays only for what it has.
 struct SceneFeatures {
@@ -62,9 +69,12 @@ public:
     /// Meshlets and triangles of all instances at the finest level.
     std::uint64_t clusterCount() const { return clustersDrawn; }
     std::uint64_t triangleCount() const { return trianglesDrawn; }
-    /// Places in `clusters`, with the unused one at 0; triangles a view can list.
+    /// Places in a part of `clusters`, and an unused one; triangles a view can list.
     std::uint32_t clusterCapacity() const;
     std::uint32_t triangleCapacity() const;
+    /// Number of the first cluster of a part; of the whole, each bin's first, and the end.
+    std::uint32_t tableStart(TablePart) const;
+    const std::array<std::uint32_t, kDrawBins + 1>& wholeBinStarts() const { return wholeBins; }
     std::size_t lodCount() const { return lodsMost; }  ///< of the mesh that has most
     std::uint32_t instanceCount() const {
         return static_cast<std::uint32_t>(source->instances.size());
@@ -77,9 +87,9 @@ public:
     gpu::TexelBuffer vertices, attributes, triangles, meshlets, instances, materials, meshes, lods,
         chunks;                  ///< the records of gpu_types.h
     gpu::TexelBuffer drawOrder;  ///< numbers of the instances, those of a chunk together
-    /// What ids name: GpuCluster records of the visible clusters of the view that was culled last,
-    /// written on the device by geometry::Cull. One table serves all views of a scene, so whoever
-    /// reads ids must do so before another view is culled.
+    /// What ids name: GpuCluster records, the parts of TablePart one after another. Those of the
+    /// eye and of lights are written on the device by geometry::Cull for each view, so whoever reads
+    /// ids of one must do so before another view is culled into the same part.
     gpu::TexelBuffer clusters;
     gpu::TexelBuffer secondUvs;  ///< vec2 a vertex; a dummy where no material uses them
     gpu::Buffer lights;
@@ -100,6 +110,7 @@ private:
     SceneFeatures sceneFeatures;
     std::array<std::uint32_t, kDrawBins + 1> bins{};
     std::vector<std::uint32_t> order;    ///< what drawOrder holds
+    std::array<std::uint32_t, kDrawBins + 1> wholeBins{};
     std::vector<glm::uvec2> chunkSpans;  ///< first and count of each chunk, in `order`
     std::uint64_t clustersDrawn = 0, trianglesDrawn = 0;
     std::size_t lodsMost = 1;

@@ -8,10 +8,12 @@ layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(constant_id = 0) const uint kFullRate = 0;  // 1: S is O, write the terms alone
 layout(constant_id = 1) const uint kMerge = 0;     // 1: … some of them, keep the others
+layout(constant_id = 2) const uint kPoints = 0;    // 1: at `points`, not at the centres of texels
 
 // One binding, of which the constant picks the reading.
 layout(binding = 11, rgba32ui) writeonly uniform uimage2D outCoarse;
 layout(binding = 11, rgba16f) uniform image2D outTerms;
+layout(binding = 12) uniform sampler2D points;  // NDC
 layout(push_constant, scalar) uniform Push { CoarseParams params; };
 
 void write(ivec2 texel, vec4 terms, vec3 viewNormal, float depth) {
@@ -33,10 +35,12 @@ void main() {
     const vec2 centre = (vec2(texel) + 0.5) * params.rate;
     const vec2 inside = min(centre, vec2(params.fullSize) - 0.5);
     const uint id = texelFetch(ids, ivec2(inside), 0).x;
+    const vec2 ndc = kPoints != 0 ? texelFetch(points, texel, 0).xy
+                                  : inside / vec2(params.fullSize) * 2 - 1;
     if (id == 0) {
         write(texel, vec4(1, 1, 0.5, 0), vec3(0, 0, 1), 0);
         return;
     }
-    const SurfacePoint at = surfacePoint(id, inside / vec2(params.fullSize) * 2 - 1);
+    const SurfacePoint at = surfacePoint(id, ndc);
     write(texel, evaluateTerms(at, params.terms), mat3(view.viewFromWorld) * at.normal, at.depth);
 }

@@ -21,10 +21,16 @@ const std::vector<gpu::SlotArray> kInputSlots{Slot::uniformBuffer, Slot::uniform
                                               Slot::sampledImage,  Slot::sampledImage,
                                               Slot::sampledImage,  Slot::storageImage};
 
-gpu::Kernel makeKernel(const gpu::Device& device, const char* name, bool full, bool merge) {
-    return {
-        device,       name, kCode, scene::withSceneSlots(kInputSlots), sizeof(shared::CoarseParams),
-        {full, merge}};
+gpu::Kernel makeKernel(const gpu::Device& device, const char* name, bool full, bool merge,
+                       bool points) {
+    auto slots = kInputSlots;
+    slots.push_back(Slot::sampledImage);
+    return {device,
+            name,
+            kCode,
+            scene::withSceneSlots(slots),
+            sizeof(shared::CoarseParams),
+            {full, merge, points}};
 }
 
 gpu::Kernel makeRepair(const gpu::Device& device) {
@@ -37,6 +43,13 @@ gpu::Kernel makeRepair(const gpu::Device& device) {
 std::vector<gpu::Binding> bindings(const Coarse::Inputs& in, const vk::raii::Sampler& sampler,
                                    const gpu::View& out) {
     return {in.view, in.light, {in.ids, sampler}, {in.sunMap, sampler}, {in.skyMaps, sampler}, out};
+}
+
+std::vector<gpu::Binding> withPoints(const Coarse::Inputs& in, const vk::raii::Sampler& sampler,
+                                     const gpu::View& out, const gpu::View& noPoints) {
+    auto all = bindings(in, sampler, out);
+    all.emplace_back(in.points ? *in.points : noPoints, sampler);
+    return all;
 }
 
 shared::CoarseParams paramsOf(vk::Extent2D full, float rate, Coarse::Mask terms) {
@@ -59,24 +72,34 @@ vk::Extent2D coarseExtent(vk::Extent2D full, float rate) {
 
 Coarse::Coarse(const gpu::Device& device)
     : pointSampler(device.vk(), vk::SamplerCreateInfo{}),
-      coarse(makeKernel(device, "coarse terms", false, false)),
-      full(makeKernel(device, "terms", true, false)),
-      fullMerge(makeKernel(device, "some terms", true, true)),
+      noPoints(device, {.name = "no points",
+                        .format = vk::Format::eR32G32Sfloat,
+                        .extent = {1, 1},
+                        .usage = vk::ImageUsageFlagBits::eSampled}),
+      coarse(makeKernel(device, "coarse terms", false, false, false)),
+      full(makeKernel(device, "terms", true, false, false)),
+      fullMerge(makeKernel(device, "some terms", true, true, false)),
+      fullPoints(makeKernel(device, "terms at points", true, false, true)),
       repair(makeRepair(device)) {}
 
 void Coarse::record(gpu::Recorder& rec, const scene::GpuScene& scene, const Inputs& in, Mask terms,
                     float rate, gpu::View out) const {
     const auto pass = rec.pass("terms");
     rec.dispatch(coarse, gpu::groups8x8(coarseExtent(in.ids.extent, rate)),
-                 scene::withScene(scene, bindings(in, pointSampler, out)),
+                 scene::withScene(scene, withPoints(in, pointSampler, out, noPoints)),
                  paramsOf(in.ids.extent, rate, terms));
 }
 
 void Coarse::recordFull(gpu::Recorder& rec, const scene::GpuScene& scene, const Inputs& in,
                         Mask terms, gpu::View out) const {
     const auto pass = rec.pass("terms");
-    rec.dispatch(terms == shared::LS_ALL_TERMS ? full : fullMerge, gpu::groups8x8(in.ids.extent),
-                 scene::withScene(scene, bindings(in, pointSampler, out)),
+    if (in.points && terms != shared::LS_ALL_TERMS)
+        throw std::invalid_argument("Coarse::recordFull: at points all terms are evaluated");
+    const gpu::Kernel& kernel = in.points                       ? fullPoints
+                                : terms == shared::LS_ALL_TERMS ? full
+                                                                : fullMerge;
+    rec.dispatch(kernel, gpu::groups8x8(in.ids.extent),
+                 scene::withScene(scene, withPoints(in, pointSampler, out, noPoints)),
                  paramsOf(in.ids.extent, 1, terms));
 }
 

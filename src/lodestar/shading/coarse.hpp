@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include <lodestar/shading/coarse_params.h>
 #include <lodestar/gpu/recorder.hpp>
 #include <lodestar/scene/gpu_scene.hpp>
@@ -24,6 +26,9 @@ public:
         gpu::View skyMaps;         ///< D32_SFLOAT array, a layer for each view of the sky
         const gpu::Buffer& view;   ///< shared::ViewParams
         const gpu::Buffer& light;  ///< shared::LightParams
+        /// RG32_SFLOAT, of the extent of `ids`, for recordFull: where each is met, in NDC; none: at
+        /// the centres of pixels
+        std::optional<gpu::View> points = {};
     };
     /// Which of the terms: bits LS_TERM_…
     using Mask = std::uint32_t;
@@ -41,7 +46,8 @@ public:
 
 private:
     vk::raii::Sampler pointSampler;
-    gpu::Kernel coarse, full, fullMerge, repair;
+    gpu::Image noPoints;  ///< what is bound where there are none
+    gpu::Kernel coarse, full, fullMerge, fullPoints, repair;
 };
 
 }  // namespace lodestar::shading

@@ -21,8 +21,10 @@ layout(binding = 5) uniform sampler2D terms;  // visibility of sun and sky, patt
 layout(binding = 6) uniform sampler2D sky;
 layout(binding = 7, scalar) readonly buffer Lights { GpuLight lights[]; };
 layout(binding = 8, rgba16f) writeonly uniform image2D outRadiance;
+layout(binding = 9) uniform sampler2D points;  // NDC
 
 layout(constant_id = 2) const uint kPunctualLights = 1;
+layout(constant_id = 3) const uint kPoints = 0;  // 1: at `points`, not at the centres of pixels
 
 // Share of the sky's light that comes from where the sky is hidden: the albedo of walls that see
 // the sky themselves.
@@ -67,7 +69,8 @@ void main() {
     const ivec2 size = textureSize(surfaceDepth, 0);
     if (any(greaterThanEqual(pixel, size))) return;
 
-    const vec2 ndc = (vec2(pixel) + 0.5) / vec2(size) * 2 - 1;
+    const vec2 ndc = kPoints != 0 ? texelFetch(points, pixel, 0).xy
+                                  : (vec2(pixel) + 0.5) / vec2(size) * 2 - 1;
     const vec3 ray = transpose(mat3(view.viewFromWorld)) * vec3(ndc / view.clipScale, -1);
     const vec3 direction = normalize(ray);
     const float depth = texelFetch(surfaceDepth, pixel, 0).x;

@@ -20,20 +20,29 @@ vk::raii::Sampler makeSkySampler(const gpu::Device& device) {
                                                .maxLod = VK_LOD_CLAMP_NONE}};
 }
 
+gpu::Kernel makeKernel(const gpu::Device& device, const scene::SceneFeatures& features,
+                       bool points) {
+    return {device,
+            points ? "combine at points" : "combine",
+            kCode,
+            {Slot::uniformBuffer, Slot::uniformBuffer, Slot::sampledImage, Slot::sampledImage,
+             Slot::sampledImage, Slot::sampledImage, Slot::sampledImage, Slot::storageBuffer,
+             Slot::storageImage, Slot::sampledImage},
+            0,
+            {features.emissive, features.unlit, features.punctualLights, points}};
+}
+
 }  // namespace
 
 Combine::Combine(const gpu::Device& device, const scene::SceneFeatures& features)
     : pointSampler(device.vk(), vk::SamplerCreateInfo{}),
       skySampler(makeSkySampler(device)),
-      kernel(device, "combine", kCode,
-             {Slot::uniformBuffer, Slot::uniformBuffer, Slot::sampledImage, Slot::sampledImage,
-              Slot::sampledImage, Slot::sampledImage, Slot::sampledImage, Slot::storageBuffer,
-              Slot::storageImage},
-             0, {features.emissive, features.unlit, features.punctualLights}) {}
+      kernel(makeKernel(device, features, false)),
+      pointKernel(makeKernel(device, features, true)) {}
 
 void Combine::record(gpu::Recorder& rec, const Inputs& in, gpu::View radiance) const {
     const auto pass = rec.pass("combine");
-    rec.dispatch(kernel, gpu::groups8x8(radiance.extent),
+    rec.dispatch(in.points ? pointKernel : kernel, gpu::groups8x8(radiance.extent),
                  {in.view,
                   in.light,
                   {in.depth, pointSampler},
@@ -42,7 +51,9 @@ void Combine::record(gpu::Recorder& rec, const Inputs& in, gpu::View radiance) c
                   {in.terms, pointSampler},
                   {in.sky, skySampler},
                   in.lights,
-                  radiance});
+                  radiance,
+                  // Without points that binding is not read: any image of floats does.
+                  {in.points ? *in.points : in.depth, pointSampler}});
 }
 
 }  // namespace lodestar::shading

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include <lodestar/gpu/recorder.hpp>
 #include <lodestar/scene/gpu_scene.hpp>
 
@@ -19,6 +21,8 @@ public:
         gpu::View terms;                      ///< RGBA16_SFLOAT: visibility of the sun, of the sky
         gpu::View sky;              ///< octahedral radiance, a mip level per step of roughness
         const gpu::Buffer& lights;  ///< shared::GpuLight
+        /// RG32_SFLOAT: where each pixel is met, in NDC; none: at its centre
+        std::optional<gpu::View> points = {};
     };
     /// Writes linear radiance to every texel of `radiance` (RGBA16_SFLOAT). Its alpha is the share
     /// that Tonemap gives its curve: 1, but 0 for unlit materials, which show as authored.
@@ -26,7 +30,7 @@ public:
 
 private:
     vk::raii::Sampler pointSampler, skySampler;
-    gpu::Kernel kernel;
+    gpu::Kernel kernel, pointKernel;
 };
 
 }  // namespace lodestar::shading

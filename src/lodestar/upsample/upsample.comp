@@ -117,8 +117,10 @@ void main() {
         taps[j] = texelFetch(coarse, tap, 0);
         e[j] = 0;
         if (kRange != 0) {
-            const float dz = (z - coarseDepth(taps[j])) * perZ;
-            const vec2 dn = n - coarseNormal(taps[j]);
+            // Background is like background alone; it has no normal.
+            const float tapZ = coarseDepth(taps[j]);
+            const float dz = z > 0 ? (z - tapZ) * perZ : tapZ > 0 ? 1 : 0;
+            const vec2 dn = z > 0 ? n - coarseNormal(taps[j]) : vec2(0);
             e[j] = min(params.depthFalloff * dz * dz + params.normalFalloff * dot(dn, dn), 1e30);
             if (wx[j % kTaps] * wy[j / kTaps] > 1e-4) least = min(least, e[j]);
         }

@@ -63,13 +63,17 @@ float falloff(float sigma, const char* name) {
 Upsample::Upsample(const gpu::Device& device, Reconstruct kind)
     : reconstruct(kind),
       pointSampler(device.vk(), vk::SamplerCreateInfo{}),
-      guided(makeKernel(device, kind, true, false, false)),
+      guidedKernel(makeKernel(device, kind, true, false, false)),
       plain(makeKernel(device, kind, false, false, false)),
       guidedMerge(makeKernel(device, kind, true, true, false)),
       plainMerge(makeKernel(device, kind, false, true, false)),
       guidedRepair(makeKernel(device, kind, true, false, true)),
       guidedMergeRepair(makeKernel(device, kind, true, true, true)),
       noList(device, "upsample: no list", sizeof(shared::RepairHeader)) {}
+
+bool Upsample::guided() const {
+    return isGuided(reconstruct);
+}
 
 void Upsample::record(gpu::Recorder& rec, const Inputs& in, const Sigmas& sigmas, gpu::View terms,
                       const UpsampleOptions& options) const {
@@ -96,7 +100,7 @@ void Upsample::record(gpu::Recorder& rec, const Inputs& in, const Sigmas& sigmas
                                 : merge && listing ? guidedMergeRepair
                                 : listing          ? guidedRepair
                                 : merge            ? guidedMerge
-                                                   : guided;
+                                                   : guidedKernel;
     rec.dispatch(kernel, gpu::groups8x8(in.depth.extent),
                  {{in.coarse, pointSampler},
                   {in.depth, pointSampler},

@@ -38,12 +38,14 @@ public:
                 const UpsampleOptions& = {}) const;
 
     Reconstruct kind() const { return reconstruct; }
+    /// Whether depth and normal of O are looked at.
+    bool guided() const;
 
 private:
     Reconstruct reconstruct;
     vk::raii::Sampler pointSampler;
     /// With the range weights, and without (σn = σz = ∞); then with merging, with a list.
-    gpu::Kernel guided, plain, guidedMerge, plainMerge, guidedRepair, guidedMergeRepair;
+    gpu::Kernel guidedKernel, plain, guidedMerge, plainMerge, guidedRepair, guidedMergeRepair;
     gpu::Buffer noList;  ///< what is bound where no pixels are listed
 };
 

@@ -67,7 +67,9 @@ double square(double x) {
 /// relative to z_H.
 double unlikeness(const Sigmas& sigmas, const ReferencePixel& pixel, const ReferenceTexel& tap) {
     double sum = 0;
-    if (std::isfinite(sigmas.z) && pixel.depth > 0)
+    if (pixel.depth <= 0)  // background is like background alone; it has no normal
+        return std::isfinite(sigmas.z) && tap.depth > 0 ? 1 / (2 * square(sigmas.z)) : 0;
+    if (std::isfinite(sigmas.z))
         sum += square((pixel.depth - tap.depth) / pixel.depth) / (2 * square(sigmas.z));
     if (std::isfinite(sigmas.n)) {
         const glm::dvec2 difference = foreshortened(pixel.normal) - tap.normal;

@@ -65,6 +65,7 @@ void CaptureSs::record(gpu::Recorder& rec, const scene::GpuScene& scene,
         .colors = {}, .depth = target.depth, .keep = phase == Phase::second};
     if (writes == Writes::idsAndDepth) attachments.colors = {target.ids};
     rec.beginRendering(attachments);
+    if (target.viewport) rec.vk().setViewport(0, *target.viewport);
     const auto bindings = scene::withScene(
         scene, {list.ids, scene.materials, {scene.textureViews(), sampler}, scene.secondUvs});
     for (std::uint32_t bin = 0; bin < scene::kDrawBins; ++bin) {

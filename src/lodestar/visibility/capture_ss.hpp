@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include <lodestar/geometry/cull.hpp>
 
 namespace lodestar::visibility {
@@ -17,6 +19,8 @@ public:
     struct Target {
         gpu::View ids;    ///< R32_UINT, color attachment; unused by depthOnly
         gpu::View depth;  ///< D32_SFLOAT, reversed
+        /// Of the whole picture, where the target holds only some rows of it.
+        std::optional<vk::Viewport> viewport = {};
     };
     /// Which of the draws of a list: those of its first phase, those of its second, or both.
     enum class Phase { both, first, second };

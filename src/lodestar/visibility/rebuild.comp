@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
 #include "triangle.glsl"
+#include "rebuild_params.h"
 #include "view_params.h"
 #define LS_MATERIAL_BINDING 12
 #define LS_TEXTURE_BINDING 13
@@ -17,6 +18,7 @@ layout(constant_id = 4) const uint kOcclusionArrays = 255;
 layout(constant_id = 5) const uint kEmissiveArrays = 255;
 layout(constant_id = 6) const uint kOcclusionShared = 0;  // r of the metallic-roughness texture
 layout(constant_id = 7) const uint kEmissive = 1;
+layout(constant_id = 8) const uint kPoints = 0;  // 1: at `points`, not at the centres of pixels
 
 layout(binding = 6, scalar) uniform View { ViewParams view; };
 layout(binding = 7) uniform usampler2D ids;
@@ -25,6 +27,8 @@ layout(binding = 9, r32ui) writeonly uniform uimage2D outNormal;
 layout(binding = 10, rgba32ui) writeonly uniform uimage2D outMaterial;
 layout(binding = 11, rgba16f) writeonly uniform image2D outEmissive;
 layout(binding = 14) uniform samplerBuffer secondUvs;
+layout(binding = 15) uniform sampler2D points;
+layout(push_constant, scalar) uniform Push { RebuildParams params; };
 
 TexturePoint interpolate(vec2 a, vec2 b, vec2 c, vec3 at, vec3 dx, vec3 dy) {
     return TexturePoint(a * at.x + b * at.y + c * at.z, a * dx.x + b * dx.y + c * dx.z,
@@ -42,10 +46,12 @@ void main() {
     }
 
     const Triangle t = loadTriangle(id);
-    const vec2 toNdc = 2 / vec2(size);
+    const vec2 toNdc = params.pixelNdc;
+    const vec2 ndc = kPoints != 0 ? texelFetch(points, pixel, 0).xy
+                                  : (vec2(pixel) + 0.5) * toNdc - 1;
     const Barycentrics b =
         barycentricsAt(view.clipFromWorld * vec4(t.p0, 1), view.clipFromWorld * vec4(t.p1, 1),
-                       view.clipFromWorld * vec4(t.p2, 1), (vec2(pixel) + 0.5) * toNdc - 1);
+                       view.clipFromWorld * vec4(t.p2, 1), ndc);
     const vec3 dx = b.dx * toNdc.x, dy = b.dy * toNdc.y;  // per pixel
 
     const GpuVertexAttributes a0 = loadAttributes(t.vertices.x), a1 = loadAttributes(t.vertices.y),

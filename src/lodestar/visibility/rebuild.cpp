@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <lodestar/visibility/rebuild_params.h>
 #include <lodestar/scene/scene_bindings.hpp>
 #include <lodestar/visibility/capture_ss.hpp>
 #include <lodestar/visibility/rebuild.hpp>
@@ -22,7 +23,7 @@ gpu::Image surfaceImage(const gpu::Device& device, vk::Extent2D extent, vk::Form
              .usage = Usage::eStorage | Usage::eSampled | Usage::eTransferSrc}};
 }
 
-gpu::Specialization constants(const scene::SceneFeatures& f) {
+gpu::Specialization constants(const scene::SceneFeatures& f, bool points) {
     return {f.uvTransforms,
             f.baseColorArrays,
             f.normalArrays,
@@ -30,7 +31,27 @@ gpu::Specialization constants(const scene::SceneFeatures& f) {
             f.occlusionShared ? 0 : f.occlusionArrays,
             f.emissiveArrays,
             f.occlusionShared,
-            f.emissive};
+            f.emissive,
+            points};
+}
+
+gpu::Kernel makeKernel(const gpu::Device& device, const scene::SceneFeatures& features,
+                       bool points) {
+    return {device,
+            points ? "rebuild at points" : "rebuild",
+            kCode,
+            scene::withSceneSlots({Slot::uniformBuffer,
+                                   Slot::sampledImage,
+                                   Slot::storageImage,
+                                   Slot::storageImage,
+                                   Slot::storageImage,
+                                   Slot::storageImage,
+                                   Slot::texelBuffer,
+                                   {Slot::sampledImage, shared::LS_TEXTURE_ARRAYS},
+                                   Slot::texelBuffer,
+                                   Slot::sampledImage}),
+            sizeof(shared::RebuildParams),
+            constants(features, points)};
 }
 
 }  // namespace
@@ -45,22 +66,18 @@ Surface::Surface(const gpu::Device& device, vk::Extent2D extent)
 Rebuild::Rebuild(const gpu::Device& device, const scene::SceneFeatures& features)
     : textureSampler(makeTextureSampler(device)),
       pointSampler(device.vk(), vk::SamplerCreateInfo{}),
-      kernel(device, "rebuild", kCode,
-             scene::withSceneSlots({Slot::uniformBuffer,
-                                    Slot::sampledImage,
-                                    Slot::storageImage,
-                                    Slot::storageImage,
-                                    Slot::storageImage,
-                                    Slot::storageImage,
-                                    Slot::texelBuffer,
-                                    {Slot::sampledImage, shared::LS_TEXTURE_ARRAYS},
-                                    Slot::texelBuffer}),
-             0, constants(features)) {}
+      kernel(makeKernel(device, features, false)),
+      pointKernel(makeKernel(device, features, true)) {}
 
 void Rebuild::record(gpu::Recorder& rec, const scene::GpuScene& scene, const Inputs& in,
                      const Surface& out) const {
     const auto pass = rec.pass("rebuild");
-    rec.dispatch(kernel, gpu::groups8x8(in.ids.extent),
+    const vk::Extent2D grid = in.grid.width > 0 ? in.grid : in.ids.extent;
+    const shared::RebuildParams params{
+        {2 / static_cast<float>(grid.width), 2 / static_cast<float>(grid.height)}};
+    // Without points that binding is not read: any image of floats does.
+    const gpu::View points = in.points ? *in.points : out.depth.view();
+    rec.dispatch(in.points ? pointKernel : kernel, gpu::groups8x8(in.ids.extent),
                  scene::withScene(scene, {in.view,
                                           {in.ids, pointSampler},
                                           out.depth,
@@ -69,7 +86,9 @@ void Rebuild::record(gpu::Recorder& rec, const scene::GpuScene& scene, const Inp
                                           out.emissive,
                                           scene.materials,
                                           {scene.textureViews(), textureSampler},
-                                          scene.secondUvs}));
+                                          scene.secondUvs,
+                                          {points, pointSampler}}),
+                 params);
 }
 
 }  // namespace lodestar::visibility

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include <lodestar/gpu/recorder.hpp>
 #include <lodestar/scene/gpu_scene.hpp>
 
@@ -29,14 +31,18 @@ public:
     struct Inputs {
         gpu::View ids;            ///< R32_UINT, sampled: geometry's triangle ids, 0 = background
         const gpu::Buffer& view;  ///< shared::ViewParams
+        /// RG32_SFLOAT, of the extent of `ids`: where each pixel is met, in NDC; none: at its
+        /// centre
+        std::optional<gpu::View> points = {};
+        vk::Extent2D grid = {};  ///< O, whose pixels decide mip levels; none: the extent of `ids`
     };
-    /// Writes every texel of `surface`, which has the size of `ids`.
+    /// Writes every texel of `surface` that lies in the extent of `ids`.
     void record(gpu::Recorder&, const scene::GpuScene&, const Inputs&,
                 const Surface& surface) const;
 
 private:
     vk::raii::Sampler textureSampler, pointSampler;
-    gpu::Kernel kernel;
+    gpu::Kernel kernel, pointKernel;
 };
 
 }  // namespace lodestar::visibility

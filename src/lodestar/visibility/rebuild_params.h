@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef LS_REBUILD_PARAMS_H
+#define LS_REBUILD_PARAMS_H
+#include "../shared/types.h"
+LS_NAMESPACE_BEGIN
+
+struct RebuildParams {
+    vec2 pixelNdc;  // size of a pixel of grid O in NDC
+};
+
+LS_NAMESPACE_END
+#endif
