@@ -184,6 +184,10 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
                  .lod = options.lod});
 
     shade(levers);
+    if (options.showLods) {
+        rec.barrier(Stage::compute, Stage::compute);
+        showLods.record(rec, *scene, idImage, displayImage);
+    }
     return rec.submit();
 }
 
@@ -223,10 +227,6 @@ void Frame::shade(const budget::Levers& levers) {
                    radianceImage);
     rec.barrier(Stage::compute, Stage::compute);
     tonemap.record(rec, radianceImage, options.exposure, displayImage);
-    if (options.showLods) {
-        rec.barrier(Stage::compute, Stage::compute);
-        showLods.record(rec, *scene, idImage, displayImage);
-    }
 }
 
 Frame::Whole Frame::makeWhole() const {
