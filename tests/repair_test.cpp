@@ -132,7 +132,7 @@ TEST_F(RepairTest, eachTermHasItsOwnRate) {
     EXPECT_EQ(two[2], 0u);
 }
 
-TEST_F(RepairTest, noisePatternIsThatOfTheSharedFunction) {
+TEST_F(RepairTest, noisePatternSpreadsOverItsRange) {
     Rig rig(device(),
             {.size = {160, 96}, .shadowMapSize = 512, .noiseOctaves = 5, .noiseScale = 0.5f});
     const auto values = rig.terms({});
