@@ -163,7 +163,6 @@ Json leversJson(const budget::Levers& levers) {
 }
 
 void addFrameOptions(CLI::App& app, frame::FrameSettings& settings) {
-    addGeometryOptions(app, settings);
     addParsed(
         app, "--terms", settings,
         [&settings](const std::string& text) -> Result<frame::FrameSettings> {

@@ -64,7 +64,8 @@ Json countsOf(const Session& session, const frame::Frame& frame) {
         const auto clusters = gpu::as<shared::GpuCluster>(
             gpu::readBuffer(device, scene.clusters.buffer(),
                             sizeof(shared::GpuCluster) * (std::size_t{visible} + list.table)));
-        for (std::size_t c = list.table; c < list.table + visible; ++c) listed += clusters[c].triangleCount;
+        for (std::size_t c = list.table; c < list.table + visible; ++c)
+            listed += clusters[c].triangleCount;
         for (const auto id :
              gpu::as<std::uint32_t>(gpu::readBuffer(device, list.ids.buffer(), 4ull * triangles)))
             ++perLod[clusters[id >> shared::LS_TRIANGLE_BITS].lod];

@@ -13,6 +13,7 @@
 #include "app/budget_run.hpp"
 #include "app/console.hpp"
 #include "app/frame_options.hpp"
+#include "app/geometry_options.hpp"
 #include "app/image_io.hpp"
 #include "app/judge.hpp"
 
@@ -285,6 +286,7 @@ void addRender(CLI::App& app, int& exitCode) {
                    "also render at full quality and report PSNR, SSIM and FLIP against it")
         ->group("Run");
     addLeverOptions(*command, o->levers);
+    addGeometryOptions(*command, o->settings);
     addFrameOptions(*command, o->settings);
     addParsed(*command, "--aov", o->aovs, parseAovs,
               "also write these as EXR beside --out: depth, normal, albedo, roughness, metallic, "

@@ -117,9 +117,9 @@ struct Fixture {
         if (indexCount > 0 && indexCount <= 3u * onGpu.triangleCount())
             drawn.ids = words(list.ids.buffer(), indexCount / 3);
         // The unused one, then those of the view.
-        const auto all = gpu::as<GpuCluster>(gpu::readBuffer(
-            rec.device(), onGpu.clusters.buffer(),
-            sizeof(GpuCluster) * (list.table + drawn.clusters)));
+        const auto all = gpu::as<GpuCluster>(
+            gpu::readBuffer(rec.device(), onGpu.clusters.buffer(),
+                            sizeof(GpuCluster) * (list.table + drawn.clusters)));
         drawn.table.assign(all.begin() + (list.table - 1), all.end());
         for (std::uint32_t& id : drawn.ids)
             id -= (list.table - 1) << shared::LS_TRIANGLE_BITS;  // as if the part began at 1

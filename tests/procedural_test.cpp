@@ -330,7 +330,7 @@ TEST(Procedural, badSpecsAreRefusedInOneLineThatSaysWhatThereIs) {
 }
 
 TEST(Procedural, everyListedSceneCanBeBuilt) {
-    ASSERT_EQ(builtins().size(), 3u);
+    ASSERT_GE(builtins().size(), 3u);
     for (const Builtin& builtin : builtins()) {
         std::string spec = builtin.usage;
         if (const auto n = spec.find(":N"); n != spec.npos) spec.replace(n, 2, ":100");

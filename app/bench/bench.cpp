@@ -14,6 +14,7 @@
 #include "app/camera_path.hpp"
 #include "app/console.hpp"
 #include "app/frame_options.hpp"
+#include "app/geometry_options.hpp"
 #include "app/whole_file.hpp"
 
 namespace lodestar::app {
@@ -272,6 +273,7 @@ void addBench(CLI::App& app, int& exitCode) {
         ->type_name("PATH");
     addViewOptions(*command, o->view);
     for (const char* option : {"--camera", "--eye"}) command->get_option(option)->needs(scene);
+    addGeometryOptions(*command, o->settings);
     addFrameOptions(*command, o->settings);
     addDeviceOption(*command, o->device.device);
     command->add_flag("--validate", o->device.validation,

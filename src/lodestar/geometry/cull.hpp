@@ -36,7 +36,8 @@ struct CullView {
 /// The triangles of one view, ready to draw: their ids in cluster order, and one
 /// indirect draw a phase and bin. Deterministic: the same view gives the same bytes.
 struct DrawList {
-    /// A list of TablePart::whole names clusters by numbers that no view changes: what is to be kept.
+    /// A list of TablePart::whole names clusters by numbers that no view changes: what is to be
+    /// kept.
     DrawList(const gpu::Device&, const scene::GpuScene&, const std::string& name,
              scene::TablePart = scene::TablePart::eye);
 

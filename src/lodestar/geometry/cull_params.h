@@ -40,7 +40,7 @@ struct CullParams {
     uint hizValid;  // whether there is a pyramid for the first phase
     uint hizLevels;
     vec2 hizSize;                    // pixels of the picture the pyramid is of
-    uint listAll;  // every meshlet has its place in the list, in view or not
+    uint listAll;                    // every meshlet has its place in the list, in view or not
     uint hizOffsets[LS_HIZ_LEVELS];  // where each level begins; LS_HIZ_FIRST is the first there is
 };
 

@@ -306,10 +306,7 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene, Packed&& packe
       lods(gpu::makeTexelBuffer(device, "levels of detail", packed.lods, kWords)),
       chunks(device, "chunks", packed.chunkSpans.size() * sizeof(GpuChunk), kWords),
       drawOrder(gpu::makeTexelBuffer(device, "draw order", packed.order, vk::Format::eR32Uint)),
-      clusters(
-          device, "visible clusters",
-          3 * sizeof(GpuCluster) * packed.clusters.size(),
-          kWords),
+      clusters(device, "visible clusters", 3 * sizeof(GpuCluster) * packed.clusters.size(), kWords),
       secondUvs(
           gpu::makeTexelBuffer(device, "second uvs", packed.secondUvs, vk::Format::eR32G32Sfloat)),
       lights(device, "lights", scene.lights.size() * sizeof(GpuLight)),

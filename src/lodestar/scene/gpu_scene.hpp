@@ -88,8 +88,8 @@ public:
         chunks;                  ///< the records of gpu_types.h
     gpu::TexelBuffer drawOrder;  ///< numbers of the instances, those of a chunk together
     /// What ids name: GpuCluster records, the parts of TablePart one after another. Those of the
-    /// eye and of lights are written on the device by geometry::Cull for each view, so whoever reads
-    /// ids of one must do so before another view is culled into the same part.
+    /// eye and of lights are written on the device by geometry::Cull for each view, so whoever
+    /// reads ids of one must do so before another view is culled into the same part.
     gpu::TexelBuffer clusters;
     gpu::TexelBuffer secondUvs;  ///< vec2 a vertex; a dummy where no material uses them
     gpu::Buffer lights;
@@ -109,7 +109,7 @@ private:
     Bounds worldBox;
     SceneFeatures sceneFeatures;
     std::array<std::uint32_t, kDrawBins + 1> bins{};
-    std::vector<std::uint32_t> order;    ///< what drawOrder holds
+    std::vector<std::uint32_t> order;  ///< what drawOrder holds
     std::array<std::uint32_t, kDrawBins + 1> wholeBins{};
     std::vector<glm::uvec2> chunkSpans;  ///< first and count of each chunk, in `order`
     std::uint64_t clustersDrawn = 0, trianglesDrawn = 0;

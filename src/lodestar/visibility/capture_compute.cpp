@@ -93,9 +93,9 @@ void CaptureCompute::record(gpu::Recorder& rec, const scene::GpuScene& scene,
         throw std::invalid_argument("CaptureCompute::record: scratch is for smaller bands");
     const auto pass = rec.pass("capture");
     const shared::CaptureComputeParams params{.clipFromWorld = clipFromWorld,
-                                        .size = {gridC.width, gridC.height},
-                                        .firstRow = firstRow,
-                                        .rows = rows};
+                                              .size = {gridC.width, gridC.height},
+                                              .firstRow = firstRow,
+                                              .rows = rows};
 
     rec.fill(scratch.words.buffer(), 0);
     rec.dispatch(args, {1, 1, 1}, {list.draws, scratch.opaqueCounts, scratch.maskedCounts});

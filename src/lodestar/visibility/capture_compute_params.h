@@ -12,9 +12,9 @@ const uint LS_CAPTURE_LOOPS = 256;    // workgroups that share a queue of unknow
 
 struct CaptureComputeParams {
     mat4 clipFromWorld;
-    uvec2 size;         // of grid C
-    uint firstRow;      // of the band, in grid C
-    uint rows;          // of the band
+    uvec2 size;     // of grid C
+    uint firstRow;  // of the band, in grid C
+    uint rows;      // of the band
 };
 
 /// Of one queue: opaque triangles or alpha-masked ones.
