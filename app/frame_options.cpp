@@ -9,6 +9,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "app/cli.hpp"
+#include "app/geometry_options.hpp"
 
 namespace lodestar::app {
 namespace {
@@ -273,6 +274,8 @@ void addFrameOptions(CLI::App& app, frame::FrameSettings& settings) {
 Json settingsJson(const frame::FrameSettings& s) {
     return {{"width", s.size.width},
             {"height", s.size.height},
+            {"cull", nameOf(s.cull)},
+            {"lod", nameOf(s.lod)},
             {"reconstruct", nameOf(s.reconstruct)},
             {"sigma_z", sigmaJson(s.sigmas.z)},
             {"sigma_n", sigmaJson(s.sigmas.n)},

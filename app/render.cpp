@@ -13,6 +13,7 @@
 #include "app/budget_run.hpp"
 #include "app/console.hpp"
 #include "app/frame_options.hpp"
+#include "app/geometry_options.hpp"
 #include "app/image_io.hpp"
 #include "app/judge.hpp"
 #include "app/tune.hpp"
@@ -330,6 +331,7 @@ void addRender(CLI::App& app, int& exitCode) {
     addLeverOptions(*command, o->levers);
     for (CLI::Option* chosen : {tuned, settings})
         chosen->excludes(command->get_option("--shading-rate"));
+    addGeometryOptions(*command, o->settings);
     addFrameOptions(*command, o->settings);
     addParsed(*command, "--aov", o->aovs, parseAovs,
               "also write these as EXR beside --out: depth, normal, albedo, roughness, metallic, "

@@ -14,6 +14,8 @@ add_library(lodestar STATIC
     gpu/recorder.cpp
     scene/gpu_scene.cpp
     geometry/cull.cpp
+    geometry/hiz.cpp
+    geometry/show_lods.cpp
     visibility/capture_compute.cpp
     visibility/capture_ms.cpp
     visibility/capture_ss.cpp
@@ -42,9 +44,16 @@ target_precompile_headers(lodestar PRIVATE gpu/vulkan.hpp)
 lodestar_shaders(lodestar
     gpu/prefix_sum.comp
     geometry/compact.comp
+    geometry/cull_chunks.comp
     geometry/cull_clusters.comp
+    geometry/cull_instances.comp
     geometry/cull_triangles.comp
     geometry/emit.comp
+    geometry/hiz.comp
+    geometry/list_chunks.comp
+    geometry/scan_blocks.comp
+    geometry/scan_totals.comp
+    geometry/show_lods.comp
     visibility/capture_args.comp
     visibility/capture_clip.comp
     visibility/capture_small.comp

@@ -87,6 +87,13 @@ float luminance(glm::vec3 color) {
     return glm::dot(color, glm::vec3(0.2126f, 0.7152f, 0.0722f));
 }
 
+/// Light maps outlive the view they were first drawn for, so their levels of detail go by their own
+/// texels: off by no more than half of one, which is within the bias that hides a map's own steps.
+geometry::LodChoice lightLods(const geometry::LodChoice& eye) {
+    using Mode = geometry::LodChoice::Mode;
+    return {.mode = eye.mode == Mode::off ? Mode::off : Mode::error, .errorPx = 0.5f};
+}
+
 const FrameSettings& checked(const FrameSettings& s) {
     if (s.size.width < 1 || s.size.height < 1 || s.size.width > 16384 || s.size.height > 16384)
         throw std::invalid_argument("FrameSettings::size must be 1 … 16384 pixels a side");
@@ -119,6 +126,7 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       aspect(s.aspect > 0 ? s.aspect
                           : static_cast<float>(s.size.width) / static_cast<float>(s.size.height)),
       cull(owner),
+      showLods(owner),
       capture(owner, gpuScene.features()),
       rebuildPass(owner, gpuScene.features()),
       coarse(owner),
@@ -128,12 +136,14 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       combine(owner, gpuScene.features()),
       tonemap(owner),
       eyeList(owner, gpuScene, "eye"),
+      hiz(owner, s.size, "hi-z"),
       lightMaps(owner, gpuScene, sky,
                 {.sunTexels = s.shadowMapSize,
                  .skyTexels = s.skyMapSize,
                  .skyViews = s.skyViews,
                  .shadows = s.shadowTaps > 0,
-                 .shadowDistance = s.shadowDistance}),
+                 .shadowDistance = s.shadowDistance,
+                 .lod = lightLods(s.lod)}),
       repairList(owner, s.size),
       refineList(owner, s.size),
       viewBuffer(owner, "view", sizeof(shared::ViewParams), gpu::Residence::mapped),
@@ -171,13 +181,17 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
     writeUniforms(camera);
 
     // Which triangle does each pixel show?
-    cull.record(rec, *scene, {clipFromWorld(camera), camera.eye, options.size}, eyeList);
-    rec.barrier(Stage::compute, Stage::raster);
-    rec.barrier(Stage::compute, Stage::indirect);
-    capture.record(rec, *scene, eyeList, clipFromWorld(camera), {idImage, depthBuffer}, "capture");
-    rec.barrier(Stage::raster, Stage::compute);
+    findVisible({.clipFromWorld = clipFromWorld(camera),
+                 .eye = camera.eye,
+                 .size = options.size,
+                 .cull = options.cull,
+                 .lod = options.lod});
 
     shade(levers);
+    if (options.showLods) {
+        rec.barrier(Stage::compute, Stage::compute);
+        showLods.record(rec, *scene, idImage, displayImage);
+    }
     return rec.submit();
 }
 
@@ -349,6 +363,29 @@ gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
     times.wallMs += counted.wallMs;
     times.passes.insert(times.passes.begin(), counted.passes.begin(), counted.passes.end());
     return times;
+}
+
+/// Culls and captures; what is hidden, in two phases: first what the last picture does not hide,
+/// then what that, drawn, does not hide of the rest.
+void Frame::findVisible(const geometry::CullView& view) {
+    using Phase = visibility::CaptureSs::Phase;
+    const visibility::CaptureSs::Target target{idImage, depthBuffer};
+    const auto draw = [&](const char* name, Phase phase) {
+        rec.barrier(Stage::compute, Stage::raster);
+        rec.barrier(Stage::compute, Stage::indirect);
+        capture.record(rec, *scene, eyeList, view.clipFromWorld, target, name, phase);
+        rec.barrier(Stage::raster, Stage::compute);
+    };
+    if (view.cull != geometry::CullMode::hiz) {
+        cull.record(rec, *scene, view, eyeList);
+        draw("capture", Phase::both);
+        return;
+    }
+    cull.recordFirst(rec, *scene, view, eyeList, hiz);
+    draw("capture", Phase::first);
+    hiz.record(rec, depthBuffer, view.clipFromWorld);
+    cull.recordSecond(rec, *scene, eyeList, hiz);
+    draw("capture rest", Phase::second);
 }
 
 void Frame::evaluateTerms(const budget::Levers& levers) {

@@ -7,6 +7,7 @@
 #include <lodestar/budget/levers.hpp>
 #include <lodestar/frame/light_maps.hpp>
 #include <lodestar/geometry/cull.hpp>
+#include <lodestar/geometry/show_lods.hpp>
 #include <lodestar/post/tonemap.hpp>
 #include <lodestar/scene/camera.hpp>
 #include <lodestar/shading/coarse.hpp>
@@ -40,6 +41,9 @@ struct FrameSettings {
     float aspect = 0;          ///< width / height that the picture shows; 0 = that of `size`
     upsample::Reconstruct reconstruct = upsample::Reconstruct::bilateral;
     upsample::Sigmas sigmas;
+    geometry::CullMode cull = geometry::CullMode::frustum;
+    geometry::LodChoice lod;
+    bool showLods = false;  ///< colour the picture by level of detail
 };
 
 /// The whole frame: owns the targets, composes the passes.
@@ -77,6 +81,8 @@ public:
     /// Throws std::invalid_argument outside 1 … 64.
     void setShadowTaps(std::uint32_t taps);
     const geometry::DrawList& drawList() const { return eyeList; }
+    /// Forgets the last picture, which is otherwise used to guess what hides what.
+    void resetOcclusion() { hiz.reset(); }
     /// As given; the exposure as in use.
     const FrameSettings& settings() const { return options; }
 
@@ -115,6 +121,7 @@ private:
     Whole makeWhole() const;
     Smooth makeSmooth(const visibility::CompactRecord&, std::uint32_t capacity) const;
     void writeUniforms(const scene::Camera&);
+    void findVisible(const geometry::CullView&);
 
     const gpu::Device* device;
     const scene::GpuScene* scene;
@@ -126,6 +133,7 @@ private:
     float aspect;
 
     geometry::Cull cull;
+    geometry::ShowLods showLods;
     visibility::CaptureSs capture;
     visibility::Rebuild rebuildPass;
     shading::Coarse coarse;
@@ -136,6 +144,7 @@ private:
     post::Tonemap tonemap;
 
     geometry::DrawList eyeList;
+    geometry::HiZ hiz;
     LightMaps lightMaps;
     upsample::RepairList repairList;
     upsample::RefineList refineList;
