@@ -27,6 +27,12 @@ Result<upsample::Reconstruct> parseReconstruct(const std::string& text) {
     return fail("'" + text + "' is no filter: one of " + list);
 }
 
+Result<post::ReduceFilter> parseReduce(const std::string& text) {
+    if (text == "box") return post::ReduceFilter::box;
+    if (text == "mitchell") return post::ReduceFilter::mitchell;
+    return fail("'" + text + "' is no filter: box or mitchell");
+}
+
 std::vector<std::string> splitList(const std::string& text) {
     std::vector<std::string> parts;
     for (std::size_t begin = 0; begin <= text.size();) {
@@ -212,6 +218,18 @@ void addFrameOptions(CLI::App& app, frame::FrameSettings& settings) {
         ->type_name("D")
         ->check(CLI::NonNegativeNumber)
         ->group(kGroup);
+    app.add_option("--supersample", settings.supersample,
+                   "render at N times the size along an axis and filter down; the expensive terms "
+                   "are evaluated no more often")
+        ->type_name("N")
+        ->check(CLI::Range(1, 4))
+        ->capture_default_str()
+        ->group(kGroup);
+    addParsed(app, "--supersample-filter", settings.reduce, parseReduce,
+              "how it is filtered down: box or mitchell")
+        ->type_name("FILTER")
+        ->default_str("box")
+        ->group(kGroup);
     addParsed(app, "--reconstruct", settings.reconstruct, parseReconstruct,
               "how coarse terms are brought to full size: bilateral (default), bilinear, "
               "biquadratic, bicubic, gaussian, nearest or nearest-depth")
@@ -276,6 +294,8 @@ Json settingsJson(const frame::FrameSettings& s) {
             {"height", s.size.height},
             {"cull", nameOf(s.cull)},
             {"lod", nameOf(s.lod)},
+            {"supersample", s.supersample},
+            {"supersample_filter", s.reduce == post::ReduceFilter::box ? "box" : "mitchell"},
             {"reconstruct", nameOf(s.reconstruct)},
             {"sigma_z", sigmaJson(s.sigmas.z)},
             {"sigma_n", sigmaJson(s.sigmas.n)},

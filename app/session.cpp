@@ -109,7 +109,7 @@ Result<scene::Camera> resolveCamera(const Session& session, const ViewOptions& o
 }
 
 quality::RgbImage readDisplay(const gpu::Device& device, const frame::Frame& frame) {
-    const vk::Extent2D extent = frame.settings().size;
+    const vk::Extent2D extent = frame.display().extent();
     const auto rgba = gpu::readImage(device, frame.display());
     quality::RgbImage image(static_cast<int>(extent.width), static_cast<int>(extent.height));
     for (std::size_t i = 0; i < rgba.size() / 4; ++i)

@@ -52,5 +52,19 @@ TEST(Noise, octavesAddDetailAndStayInRange) {
     EXPECT_EQ(fractalNoise({0.3f, 0.4f, 0.5f}, 0), 0);
 }
 
+TEST(Noise, warpsMoveThePatternAndKeepItContinuousAndInRange) {
+    double moved = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const glm::vec3 p(0.013f * float(i), 0.7f, 0.2f), q = p + glm::vec3(1e-4f, 0, 0);
+        EXPECT_EQ(warpedNoise(p, 4, 0), fractalNoise(p, 4));
+        for (int warps = 1; warps <= 3; ++warps) {
+            ASSERT_LE(std::abs(warpedNoise(p, 4, warps)), 1);
+            EXPECT_LT(std::abs(warpedNoise(q, 4, warps) - warpedNoise(p, 4, warps)), 0.02f);
+        }
+        moved += std::abs(warpedNoise(p, 4, 1) - fractalNoise(p, 4));
+    }
+    EXPECT_GT(moved / 2000, 0.02);
+}
+
 }  // namespace
 }  // namespace lodestar::shared

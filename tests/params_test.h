@@ -4,6 +4,7 @@
 #define LS_PARAMS_TEST_H
 #include "lodestar/geometry/cull_params.h"
 #include "lodestar/gpu/prefix_sum_params.h"
+#include "lodestar/post/reduce_params.h"
 #include "lodestar/post/tonemap_params.h"
 #include "lodestar/scene/gpu_types.h"
 #include "lodestar/shading/coarse_params.h"
@@ -52,6 +53,7 @@ struct AllParams {
     RefineHeader refineHeader;
     RefineParams refine;
     TonemapParams tonemap;
+    ReduceParams reduce;
     CompactVisibilityParams compactVisibility;
     CaptureComputeParams captureCompute;
     CaptureQueueCounts captureQueue;
@@ -159,7 +161,7 @@ LS_NAMESPACE_END
     LS_VISIT_3(VISIT, p.refineHeader.groups) VISIT(p.refineHeader.listed) \
     VISIT(p.refine.size) VISIT(p.refine.rate) VISIT(p.refine.spread) \
     VISIT(p.refine.depthFalloff) VISIT(p.refine.normalFalloff) VISIT(p.refine.unlike) \
-    VISIT(p.tonemap.exposure) \
+    VISIT(p.tonemap.exposure) VISIT(p.reduce.factor) VISIT(p.reduce.filterId) \
     VISIT(p.compactVisibility.width) VISIT(p.compactVisibility.firstRow) \
     VISIT(p.compactVisibility.rows) VISIT(p.compactVisibility.band) \
     VISIT(p.compactVisibility.capacity) \

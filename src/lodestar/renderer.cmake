@@ -30,6 +30,7 @@ add_library(lodestar STATIC
     upsample/refine.cpp
     upsample/repair.cpp
     upsample/upsample.cpp
+    post/reduce.cpp
     post/tonemap.cpp
     frame/capture_frame.cpp
     frame/frame.cpp
@@ -78,5 +79,6 @@ lodestar_shaders(lodestar
     upsample/repair_compact.comp
     upsample/repair_cut.comp
     upsample/upsample.comp
+    post/reduce.comp
     post/tonemap.comp
 )

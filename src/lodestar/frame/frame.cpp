@@ -65,10 +65,10 @@ struct RateGroup {
 };
 
 /// By rate, the coarsest first.
-std::vector<RateGroup> rateGroups(const budget::Levers& levers) {
+std::vector<RateGroup> rateGroups(const budget::Levers& levers, float supersample) {
     std::vector<RateGroup> groups;
     for (std::size_t i = 0; i < budget::kTerms; ++i) {
-        const float rate = levers.rate(budget::Term(i));
+        const float rate = levers.rate(budget::Term(i)) * supersample;
         const shading::Coarse::Mask bit = 1u << i;
         const auto same = std::find_if(groups.begin(), groups.end(), [&](const RateGroup& group) {
             return std::abs(group.rate - rate) < 1e-3f;
@@ -112,15 +112,36 @@ const FrameSettings& checked(const FrameSettings& s) {
         throw std::invalid_argument("FrameSettings::skyTaps must be 1 … 32");
     if (s.skyMapSize < 16 || s.skyMapSize > 4096)
         throw std::invalid_argument("FrameSettings::skyMapSize must be 16 … 4096");
+    if (s.supersample < 1 || s.supersample > 4 ||
+        std::max(s.size.width, s.size.height) * s.supersample > 16384)
+        throw std::invalid_argument(
+            "FrameSettings::supersample must be 1 … 4, and O ≤ 16384 a side");
+    if (s.supersample > 1 && s.showLods)
+        throw std::invalid_argument("FrameSettings::showLods: not with supersample");
+    return s;
+}
+
+FrameSettings supersampled(FrameSettings s) {
+    s.size.width *= s.supersample;
+    s.size.height *= s.supersample;
     return s;
 }
 
 }  // namespace
 
 Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const FrameSettings& s)
+    : Frame(owner, gpuScene, supersampled(checked(s)), s.size) {
+    if (s.supersample > 1)
+        reduction.emplace(
+            Reduction{post::Reduce(owner), target(owner, s.size, vk::Format::eR16G16B16A16Sfloat,
+                                                  "reduced radiance", Usage::eStorage)});
+}
+
+Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const FrameSettings& s,
+             vk::Extent2D shown)
     : device(&owner),
       scene(&gpuScene),
-      options(checked(s)),
+      options(s),
       sky(sunDirection(gpuScene, s)),
       irradiance(sky.irradiance()),
       aspect(s.aspect > 0 ? s.aspect
@@ -157,7 +178,7 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       termImage(target(owner, s.size, vk::Format::eR16G16B16A16Sfloat, "terms", Usage::eStorage)),
       radianceImage(
           target(owner, s.size, vk::Format::eR16G16B16A16Sfloat, "radiance", Usage::eStorage)),
-      displayImage(target(owner, s.size, vk::Format::eR8G8B8A8Unorm, "display", Usage::eStorage)),
+      displayImage(target(owner, shown, vk::Format::eR8G8B8A8Unorm, "display", Usage::eStorage)),
       surfaces(owner, s.size),
       rec(owner) {
     // A sun of the file has the colour it says. Its strength sets what a lux is: the sky is as
@@ -215,9 +236,8 @@ gpu::FrameTimes Frame::rebuild(const visibility::CompactRecord& from, const scen
 
 void Frame::shade(const budget::Levers& levers) {
     if (levers.resizeAll && levers.shadingRate > 1) {
-        shadeOnGridS(levers.shadingRate);
-        rec.barrier(Stage::compute, Stage::compute);
-        tonemap.record(rec, radianceImage, options.exposure, displayImage);
+        shadeOnGridS(levers.shadingRate * static_cast<float>(options.supersample));
+        show();
         return;
     }
     // What is exact on grid O, and the expensive terms on grids S.
@@ -229,8 +249,18 @@ void Frame::shade(const budget::Levers& levers) {
                    {viewBuffer, lightBuffer, surfaces.depth, surfaces.material, surfaces.emissive,
                     termImage, skyImage, scene->lights},
                    radianceImage);
+    show();
+}
+
+/// From the radiance on grid O to the picture.
+void Frame::show() {
     rec.barrier(Stage::compute, Stage::compute);
-    tonemap.record(rec, radianceImage, options.exposure, displayImage);
+    if (reduction) {
+        reduction->pass.record(rec, radianceImage, options.reduce, reduction->radiance);
+        rec.barrier(Stage::compute, Stage::compute);
+    }
+    tonemap.record(rec, reduction ? reduction->radiance : radianceImage, options.exposure,
+                   displayImage);
 }
 
 Frame::Whole Frame::makeWhole() const {
@@ -238,7 +268,7 @@ Frame::Whole Frame::makeWhole() const {
         return target(*device, options.size, format, name, Usage::eStorage);
     };
     return {.sampleGrid = visibility::SampleGrid(*device),
-            .guides = {*device, scene::SceneFeatures{}},
+            .guides = {*device, scene::SceneFeatures{}, true},
             .pack = upsample::PackCoarse(*device),
             .ids = image(vk::Format::eR32Uint, "grid S: ids"),
             .points = image(vk::Format::eR32G32Sfloat, "grid S: points"),
@@ -395,7 +425,7 @@ void Frame::evaluateTerms(const budget::Levers& levers) {
     refines = false;
     if (repairing) upsample::RepairSelect::clear(rec, repairList);
     shading::Coarse::Mask written = 0, toRepair = 0;
-    for (const RateGroup& group : rateGroups(levers)) {
+    for (const RateGroup& group : rateGroups(levers, static_cast<float>(options.supersample))) {
         // The first group fills the image, the others replace their channels.
         const auto mask = written == 0 ? shading::Coarse::Mask(shared::LS_ALL_TERMS) : group.terms;
         if (written != 0) rec.barrier(Stage::compute, Stage::compute);

@@ -8,6 +8,7 @@
 #include <lodestar/frame/light_maps.hpp>
 #include <lodestar/geometry/cull.hpp>
 #include <lodestar/geometry/show_lods.hpp>
+#include <lodestar/post/reduce.hpp>
 #include <lodestar/post/tonemap.hpp>
 #include <lodestar/scene/camera.hpp>
 #include <lodestar/shading/coarse.hpp>
@@ -39,6 +40,10 @@ struct FrameSettings {
     float leastWeight = 0.1f;  ///< pixels reconstructed from less may be repaired
     float exposure = 1;        ///< 0: metered on the first frame, and kept
     float aspect = 0;          ///< width / height that the picture shows; 0 = that of `size`
+    /// O is this many times `size` along an axis, 1 … 4, and filtered down. Rates of shading count
+    /// from `size`: edges get all the samples, the expensive terms none extra.
+    std::uint32_t supersample = 1;
+    post::ReduceFilter reduce = post::ReduceFilter::box;
     upsample::Reconstruct reconstruct = upsample::Reconstruct::bilateral;
     upsample::Sigmas sigmas;
     geometry::CullMode cull = geometry::CullMode::frustum;
@@ -83,15 +88,17 @@ public:
     const geometry::DrawList& drawList() const { return eyeList; }
     /// Forgets the last picture, which is otherwise used to guess what hides what.
     void resetOcclusion() { hiz.reset(); }
-    /// As given; the exposure as in use.
+    /// As given, but `size` is that of grid O; the exposure as in use.
     const FrameSettings& settings() const { return options; }
 
 private:
+    Frame(const gpu::Device&, const scene::GpuScene&, const FrameSettings&, vk::Extent2D shown);
     void shade(const budget::Levers&);
     void evaluateTerms(const budget::Levers&);
     void evaluateOnGridS(const shading::Coarse::Inputs&, shading::Coarse::Mask, float rate,
                          float localRate);
     void shadeOnGridS(float rate);
+    void show();
     /// Sets the exposure by the last frame's radiance.
     void meter();
     glm::mat4 clipFromWorld(const scene::Camera&) const;
@@ -117,6 +124,11 @@ private:
         upsample::PackCoarse pack;
         gpu::Image ids, points, terms, radiance;
         visibility::Surface surfaces;
+    };
+    /// What supersampling needs.
+    struct Reduction {
+        post::Reduce pass;
+        gpu::Image radiance;
     };
     Whole makeWhole() const;
     Smooth makeSmooth(const visibility::CompactRecord&, std::uint32_t capacity) const;
@@ -157,6 +169,7 @@ private:
     std::optional<Rebuilding> rebuilding;
     std::optional<Smooth> smooth;
     std::optional<Whole> whole;
+    std::optional<Reduction> reduction;
     gpu::Recorder rec;
 };
 

@@ -20,6 +20,7 @@ layout(constant_id = 5) const uint kEmissiveArrays = 255;
 layout(constant_id = 6) const uint kOcclusionShared = 0;  // r of the metallic-roughness texture
 layout(constant_id = 7) const uint kEmissive = 1;
 layout(constant_id = 8) const uint kPoints = 0;  // 1: at `points`, not at the centres of pixels
+layout(constant_id = 9) const uint kGuidesAlone = 0;  // 1: depth and normal, nothing else
 
 layout(binding = 6, scalar) uniform View { ViewParams view; };
 layout(binding = 7) uniform usampler2D ids;
@@ -36,6 +37,14 @@ TexturePoint interpolate(vec2 a, vec2 b, vec2 c, vec3 at, vec3 dx, vec3 dy) {
                         a * dy.x + b * dy.y + c * dy.z);
 }
 
+void writeGuides(ivec2 pixel, Triangle t, Barycentrics b) {
+    const vec3 position = t.p0 * b.at.x + t.p1 * b.at.y + t.p2 * b.at.z;
+    const float side = dot(faceNormal(t), view.eye - position) < 0 ? -1 : 1;
+    imageStore(outDepth, pixel, vec4(b.depth));
+    imageStore(outNormal, pixel,
+               uvec4(packNormal(side * (mat3(view.viewFromWorld) * vertexNormal(t, b.at)))));
+}
+
 void rebuild(ivec2 pixel, uint id) {
     const Triangle t = loadTriangle(id);
     const vec2 toNdc = params.pixelNdc;
@@ -44,6 +53,10 @@ void rebuild(ivec2 pixel, uint id) {
     const Barycentrics b =
         barycentricsAt(view.clipFromWorld * vec4(t.p0, 1), view.clipFromWorld * vec4(t.p1, 1),
                        view.clipFromWorld * vec4(t.p2, 1), ndc);
+    if (kGuidesAlone != 0) {
+        writeGuides(pixel, t, b);
+        return;
+    }
     const vec3 dx = b.dx * toNdc.x, dy = b.dy * toNdc.y;  // per pixel
 
     const GpuVertexAttributes a0 = loadAttributes(t.vertices.x), a1 = loadAttributes(t.vertices.y),

@@ -23,7 +23,7 @@ gpu::Image surfaceImage(const gpu::Device& device, vk::Extent2D extent, vk::Form
              .usage = Usage::eStorage | Usage::eSampled | Usage::eTransferSrc}};
 }
 
-gpu::Specialization constants(const scene::SceneFeatures& f, bool points) {
+gpu::Specialization constants(const scene::SceneFeatures& f, bool points, bool guidesAlone) {
     return {f.uvTransforms,
             f.baseColorArrays,
             f.normalArrays,
@@ -32,11 +32,12 @@ gpu::Specialization constants(const scene::SceneFeatures& f, bool points) {
             f.emissiveArrays,
             f.occlusionShared,
             f.emissive,
-            points};
+            points,
+            guidesAlone};
 }
 
-gpu::Kernel makeKernel(const gpu::Device& device, const scene::SceneFeatures& features,
-                       bool points) {
+gpu::Kernel makeKernel(const gpu::Device& device, const scene::SceneFeatures& features, bool points,
+                       bool guidesAlone) {
     return {device,
             points ? "rebuild at points" : "rebuild",
             kCode,
@@ -51,7 +52,7 @@ gpu::Kernel makeKernel(const gpu::Device& device, const scene::SceneFeatures& fe
                                    Slot::texelBuffer,
                                    Slot::sampledImage}),
             sizeof(shared::RebuildParams),
-            constants(features, points)};
+            constants(features, points, guidesAlone)};
 }
 
 }  // namespace
@@ -63,11 +64,11 @@ Surface::Surface(const gpu::Device& device, vk::Extent2D extent)
       emissive(surfaceImage(device, extent, vk::Format::eR16G16B16A16Sfloat, "surface: emissive")) {
 }
 
-Rebuild::Rebuild(const gpu::Device& device, const scene::SceneFeatures& features)
+Rebuild::Rebuild(const gpu::Device& device, const scene::SceneFeatures& features, bool guidesAlone)
     : textureSampler(makeTextureSampler(device)),
       pointSampler(device.vk(), vk::SamplerCreateInfo{}),
-      kernel(makeKernel(device, features, false)),
-      pointKernel(makeKernel(device, features, true)) {}
+      kernel(makeKernel(device, features, false, guidesAlone)),
+      pointKernel(makeKernel(device, features, true, guidesAlone)) {}
 
 void Rebuild::record(gpu::Recorder& rec, const scene::GpuScene& scene, const Inputs& in,
                      const Surface& out) const {

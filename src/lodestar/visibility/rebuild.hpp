@@ -26,7 +26,8 @@ struct Surface {
 /// design).
 class Rebuild {
 public:
-    Rebuild(const gpu::Device&, const scene::SceneFeatures&);
+    /// `guidesAlone`: depth and normal are all that is written.
+    Rebuild(const gpu::Device&, const scene::SceneFeatures&, bool guidesAlone = false);
 
     struct Inputs {
         gpu::View ids;            ///< R32_UINT, sampled: geometry's triangle ids, 0 = background
