@@ -153,7 +153,6 @@ LS_NAMESPACE_END
     LS_VISIT_VIEWS_4(VISIT, p.light.views, 12) LS_VISIT_VIEW(VISIT, p.light.views[16]) \
     VISIT(p.upsample.size) VISIT(p.upsample.inverseRate) VISIT(p.upsample.depthFalloff) \
     VISIT(p.upsample.normalFalloff) VISIT(p.upsample.terms) VISIT(p.upsample.repairAbove) VISIT(p.upsample.repairSpread) \
-    VISIT(p.upsample.background) \
     LS_VISIT_3(VISIT, p.repair.groups) VISIT(p.repair.listed) VISIT(p.repair.kept) \
     VISIT(p.repair.cut) LS_VISIT_BINS_16(VISIT, p.repair.bins, 0) \
     LS_VISIT_BINS_16(VISIT, p.repair.bins, 16) LS_VISIT_BINS_16(VISIT, p.repair.bins, 32) \

@@ -445,8 +445,7 @@ void Frame::evaluateTerms(const budget::Levers& levers) {
                         options.sigmas, termImage,
                         {.channels = mask,
                          .repair = lists ? &repairList : nullptr,
-                         .leastWeight = options.leastWeight,
-                         .background = false});
+                         .leastWeight = options.leastWeight});
     }
     listHolds = repairing && toRepair != 0;
     if (!listHolds) return;

@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
-#include "../shared/where.glsl"
 #include "../upsample/coarse_texel.glsl"
 #include "coarse_terms.glsl"
 
@@ -28,11 +27,6 @@ void write(ivec2 texel, vec4 terms, vec3 viewNormal, float depth) {
         imageStore(outCoarse, texel, packCoarse(terms, viewNormal, depth));
 }
 
-void evaluate(ivec2 texel, uint id, vec2 ndc) {
-    const SurfacePoint at = surfacePoint(id, ndc);
-    write(texel, evaluateTerms(at, params.terms), mat3(view.viewFromWorld) * at.normal, at.depth);
-}
-
 void main() {
     const ivec2 texel = ivec2(gl_GlobalInvocationID.xy) * int(params.step);
     if (any(greaterThanEqual(texel, ivec2(params.size)))) return;
@@ -42,6 +36,10 @@ void main() {
     const uint id = texelFetch(ids, ivec2(centre), 0).x;
     const vec2 ndc = kPoints != 0 ? texelFetch(points, texel, 0).xy
                                   : centre / vec2(params.fullSize) * 2 - 1;
-    LS_WHERE(id == 0) write(texel, kTermsOfBackground, vec3(0, 0, 1), 0);
-    LS_WHERE(id != 0) evaluate(texel, id, ndc);
+    if (id == 0) {
+        write(texel, kTermsOfBackground, vec3(0, 0, 1), 0);
+        return;
+    }
+    const SurfacePoint at = surfacePoint(id, ndc);
+    write(texel, evaluateTerms(at, params.terms), mat3(view.viewFromWorld) * at.normal, at.depth);
 }

@@ -2,7 +2,6 @@
 #version 460
 #include "../visibility/view_params.h"
 #include "../scene/gpu_types.h"
-#include "../shared/where.glsl"
 #include "brdf.glsl"
 #include "sky.glsl"
 
@@ -65,8 +64,16 @@ vec3 punctual(Surface s, vec3 position) {
     return sum;
 }
 
-/// What a surface sends towards the eye, along −direction; alpha is its share of the tone curve.
-vec4 surfaceRadiance(ivec2 pixel, vec3 ray, vec3 direction, float depth) {
+void main() {
+    const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    const ivec2 size = textureSize(surfaceDepth, 0);
+    if (any(greaterThanEqual(pixel, size))) return;
+
+    const vec2 ndc = kPoints != 0 ? texelFetch(points, pixel, 0).xy
+                                  : (vec2(pixel) + 0.5) / vec2(size) * 2 - 1;
+    const vec3 ray = transpose(mat3(view.viewFromWorld)) * vec3(ndc / view.clipScale, -1);
+    const vec3 direction = normalize(ray);
+    const float depth = texelFetch(surfaceDepth, pixel, 0).x;
     const uvec4 material = texelFetch(surfaceMaterial, pixel, 0);
     const vec4 albedo = unpackUnorm4x8(material.x);  // a: occlusion
     const vec2 roughMetal = unpackUnorm4x8(material.y).xy;
@@ -75,8 +82,16 @@ vec4 surfaceRadiance(ivec2 pixel, vec3 ray, vec3 direction, float depth) {
     const vec3 base = albedo.rgb * albedo.rgb * veins(term.z);
     const Surface s = makeSurface(base, roughMetal.x, roughMetal.y,
                                   unpackNormal(material.z), -direction);
-    const vec3 seen = skyRadiance(sky, light.skyLevels, reflect(direction, s.normal),
-                                  s.perceptualRoughness);
+
+    // The sky is looked up once: past the surfaces, or mirrored in one.
+    const bool hit = depth > 0;
+    const vec3 seenAt = hit ? reflect(direction, s.normal) : direction;
+    const vec3 seen =
+        skyRadiance(sky, light.skyLevels, seenAt, hit ? s.perceptualRoughness : 0);
+    if (!hit) {
+        imageStore(outRadiance, pixel, vec4(seen + sunDisc(direction), 1));
+        return;
+    }
 
     // Where the sky is hidden, what hides it sends back some of the light it gets.
     const float fromSky = albedo.a * mix(kBounced, 1, visible.y);
@@ -90,22 +105,5 @@ vec4 surfaceRadiance(ivec2 pixel, vec3 ray, vec3 direction, float depth) {
     // Unlit surfaces show the colour they were given: alpha 0 keeps the tone curve off them.
     const bool unlit = kUnlit != 0 && (material.y >> 16 & LS_MATERIAL_UNLIT) != 0;
     if (unlit) radiance = albedo.rgb * albedo.rgb / light.exposure;
-    return vec4(radiance, unlit ? 0 : 1);
-}
-
-void main() {
-    const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-    const ivec2 size = textureSize(surfaceDepth, 0);
-    if (any(greaterThanEqual(pixel, size))) return;
-
-    const vec2 ndc = kPoints != 0 ? texelFetch(points, pixel, 0).xy
-                                  : (vec2(pixel) + 0.5) / vec2(size) * 2 - 1;
-    const vec3 ray = transpose(mat3(view.viewFromWorld)) * vec3(ndc / view.clipScale, -1);
-    const vec3 direction = normalize(ray);
-    const float depth = texelFetch(surfaceDepth, pixel, 0).x;
-    vec4 radiance = vec4(0);
-    LS_WHERE(depth == 0)
-        radiance = vec4(skyRadiance(sky, light.skyLevels, direction, 0) + sunDisc(direction), 1);
-    LS_WHERE(depth > 0) radiance = surfaceRadiance(pixel, ray, direction, depth);
-    imageStore(outRadiance, pixel, radiance);
+    imageStore(outRadiance, pixel, vec4(radiance, unlit ? 0 : 1));
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
 #include "../shared/octahedral.h"
-#include "../shared/where.glsl"
 #include "coarse_texel.glsl"
 #include "refine_params.h"
 
@@ -67,8 +66,9 @@ void main() {
         }
         const vec4 apart = high - low;
         const float spread = max(max(apart.x, apart.y), max(apart.z, apart.w));
-        const bool flat_ = z == 0 || (least <= params.unlike && spread <= params.spread);
-        LS_WHERE(flat_) imageStore(outCoarse, texel, packCoarse(sum / weights, n, z));
-        LS_WHERE(!flat_) list(texel);
+        if (z == 0 || (least <= params.unlike && spread <= params.spread))
+            imageStore(outCoarse, texel, packCoarse(sum / weights, n, z));
+        else
+            list(texel);
     }
 }

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
 #include "../shared/octahedral.h"
-#include "../shared/where.glsl"
 #include "coarse_texel.glsl"
 #include "upsample_params.h"
 
@@ -87,7 +86,11 @@ void write(ivec2 pixel, vec4 values) {
     imageStore(terms, pixel, values);
 }
 
-void reconstruct(ivec2 pixel, float z) {
+void main() {
+    const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    const ivec2 fullSize = textureSize(depth, 0);
+    if (any(greaterThanEqual(pixel, fullSize))) return;
+
     // x̂: the pixel's centre in texels of S, texel centres at integers.
     const vec2 at = (vec2(pixel) + 0.5) * params.inverseRate - 0.5;
     const bool odd = (kTaps & 1) == 1;
@@ -97,6 +100,7 @@ void reconstruct(ivec2 pixel, float z) {
     domainWeights(at.x - anchor.x, wx);
     domainWeights(at.y - anchor.y, wy);
 
+    const float z = texelFetch(depth, pixel, 0).x;
     const vec2 n = foreshortened(unpackNormal(texelFetch(normal, pixel, 0).x));
     const float perZ = z > 0 ? 1 / z : 0;
     const ivec2 last = ivec2(params.size) - 1;
@@ -148,14 +152,7 @@ void reconstruct(ivec2 pixel, float z) {
     if (kRepair != 0) {
         const vec3 apart = high - low;
         const float spread = max(apart.x, max(apart.y, apart.z));
-        LS_WHERE(z > 0 && (unlike || spread > params.repairSpread))
-            listForRepair(uint(pixel.y * textureSize(depth, 0).x + pixel.x), max(spread, 0));
+        if (z > 0 && (unlike || spread > params.repairSpread))
+            listForRepair(uint(pixel.y * fullSize.x + pixel.x), max(spread, 0));
     }
-}
-
-void main() {
-    const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(pixel, textureSize(depth, 0)))) return;
-    const float z = texelFetch(depth, pixel, 0).x;
-    LS_WHERE(z > 0 || params.background != 0) reconstruct(pixel, z);
 }

@@ -86,8 +86,7 @@ void Upsample::record(gpu::Recorder& rec, const Inputs& in, const Sigmas& sigmas
                                         .normalFalloff = falloff(sigmas.n, "n"),
                                         .terms = options.channels,
                                         .repairAbove = -std::log2(options.leastWeight),
-                                        .repairSpread = options.mostSpread,
-                                        .background = options.background};
+                                        .repairSpread = options.mostSpread};
     const bool flat = params.depthFalloff == 0 && params.normalFalloff == 0;
     const auto pass = rec.pass("upsample");
     const bool merge = options.channels != 15;

@@ -17,7 +17,6 @@ struct UpsampleOptions {
     const RepairList* repair = nullptr;
     float leastWeight = 0.1f;  ///< 0 … 1, both excluded
     float mostSpread = 0.1f;
-    bool background = true;  ///< false: pixels of depth 0 keep what they hold, and cost nothing
 };
 
 /// Joint bilateral upsampling of a coarse shading buffer (Yang et al. 2008, eq. 1).
@@ -32,9 +31,9 @@ public:
         vk::Extent2D size;  ///< of S: the part of `coarse` in use
         float rate = 1;     ///< r ≥ 1: O pixels per S texel along an axis, fractional
     };
-    /// Writes every texel of `terms` (grid O, RGBA16_SFLOAT) that the options let it. Images in
-    /// GENERAL; the caller has made the inputs visible. Throws std::invalid_argument for a rate
-    /// below 1, a sigma ≤ 0 or a size that is 0 or larger than `coarse`.
+    /// Writes every texel of `terms` (grid O, RGBA16_SFLOAT). Images in GENERAL; the caller has
+    /// made the inputs visible. Throws std::invalid_argument for a rate below 1, a sigma ≤ 0 or a
+    /// size that is 0 or larger than `coarse`.
     void record(gpu::Recorder&, const Inputs&, const Sigmas&, gpu::View terms,
                 const UpsampleOptions& = {}) const;
 

@@ -22,7 +22,6 @@ struct UpsampleParams {
     uint terms;           // channels of the output to write, a bit each
     float repairAbove;    // −log2 of the least g·g of the best tap that need no repair
     float repairSpread;   // nor taps that lie no further apart than this
-    uint background;      // 0: pixels of depth 0 are left alone
 };
 
 /// Pixels whose taps are all unlike them or disagree, worse ones in higher bins.

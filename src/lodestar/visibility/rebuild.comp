@@ -1,6 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
-#include "../shared/where.glsl"
 #include "triangle.glsl"
 #include "rebuild_params.h"
 #include "view_params.h"
@@ -126,6 +125,9 @@ void main() {
     const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(pixel, textureSize(ids, 0)))) return;
     const uint id = texelFetch(ids, pixel, 0).x;
-    LS_WHERE(id == 0) imageStore(outDepth, pixel, vec4(0));
-    LS_WHERE(id != 0) rebuild(pixel, id);
+    if (id == 0) {
+        imageStore(outDepth, pixel, vec4(0));
+        return;
+    }
+    rebuild(pixel, id);
 }
