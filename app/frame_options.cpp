@@ -33,6 +33,12 @@ Result<post::ReduceFilter> parseReduce(const std::string& text) {
     return fail("'" + text + "' is no filter: box or mitchell");
 }
 
+Result<upsample::Packing> parsePacking(const std::string& text) {
+    if (text == "full") return upsample::Packing::full;
+    if (text == "yang") return upsample::Packing::yang;
+    return fail("'" + text + "' is no packing: full or yang");
+}
+
 std::vector<std::string> splitList(const std::string& text) {
     std::vector<std::string> parts;
     for (std::size_t begin = 0; begin <= text.size();) {
@@ -235,6 +241,13 @@ void addFrameOptions(CLI::App& app, frame::FrameSettings& settings) {
               "biquadratic, bicubic, gaussian, nearest or nearest-depth")
         ->type_name("FILTER")
         ->group(kGroup);
+    addParsed(
+        app, "--packing", settings.packing, parsePacking,
+        "what the coarse grid keeps: full (halves), or yang, the 8 and 16 bits of the paper's "
+        "RGBA16 target")
+        ->type_name("full|yang")
+        ->default_str("full")
+        ->group(kGroup);
     addParsed(app, "--sigma-z", settings.sigmas.z, parseSigma,
               "how unlike in depth a tap may be, relative to the depth; inf: any")
         ->type_name("S")
@@ -297,6 +310,7 @@ Json settingsJson(const frame::FrameSettings& s) {
             {"supersample", s.supersample},
             {"supersample_filter", s.reduce == post::ReduceFilter::box ? "box" : "mitchell"},
             {"reconstruct", nameOf(s.reconstruct)},
+            {"packing", s.packing == upsample::Packing::full ? "full" : "yang"},
             {"sigma_z", sigmaJson(s.sigmas.z)},
             {"sigma_n", sigmaJson(s.sigmas.n)},
             {"shadow_taps", s.shadowTaps},

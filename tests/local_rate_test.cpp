@@ -23,7 +23,7 @@ std::uint32_t texelsBetween(vk::Extent2D size, float rate) {
 TEST_F(LocalRateTest, evaluatesFewerTexelsAndHardlyChangesTheTerms) {
     Rig rig(device(), kSmall);
     const auto full = rig.terms({});
-    for (const float rate : {1.5f, 2.0f, 3.0f}) {
+    for (const float rate : {1.5f, 2.0f}) {
         const auto everywhere = rig.terms({.shadingRate = rate});
         EXPECT_EQ(rig.frame.refinedTexels(), 0u);
         const auto local = rig.terms({.shadingRate = rate, .localRate = 0.03f});
@@ -31,7 +31,7 @@ TEST_F(LocalRateTest, evaluatesFewerTexelsAndHardlyChangesTheTerms) {
         EXPECT_GT(refined, 20u) << "shadow edges are evaluated";
         EXPECT_LT(refined, texelsBetween(kSmall.size, rate) / 2) << "what is flat is not";
         const auto twice = rig.terms({.shadingRate = 2 * rate});
-        EXPECT_LT(errorOf(full, local), 1.3 * errorOf(full, everywhere)) << rate;
+        EXPECT_LT(errorOf(full, local), 1.1 * errorOf(full, everywhere)) << rate;
         EXPECT_LT(errorOf(full, local), 0.7 * errorOf(full, twice)) << rate;
     }
 }
@@ -82,6 +82,32 @@ TEST_F(LocalRateTest, refineRefusesWhatMakesNoSense) {
     EXPECT_THROW(record({8, 8}, 0.5f, 0.1f), std::invalid_argument);
     EXPECT_THROW(record({8, 8}, 2, 0), std::invalid_argument);
     EXPECT_THROW(upsample::RefineList(device(), {70000, 1}), std::invalid_argument);
+}
+
+TEST_F(LocalRateTest, papersPackingLosesALittleAndNoMore) {
+    FrameSettings settings = kSmall;
+    Rig rig(device(), settings);
+    settings.packing = upsample::Packing::yang;
+    Rig packed(device(), settings);
+    const auto halves = rig.terms({.shadingRate = 2}), bytes = packed.terms({.shadingRate = 2});
+    EXPECT_NE(halves, bytes);
+    // Half a step of 8 bits, but for the few pixels whose weights turn on a step of the normal.
+    std::size_t off = 0;
+    for (std::size_t i = 0; i < halves.size(); ++i)
+        off += std::abs(halves[i].x - bytes[i].x) > 0.004f;
+    EXPECT_LT(off, halves.size() / 20);
+    // Radiance too.
+    const Levers whole{.shadingRate = 2, .resizeAll = true};
+    rig.frame.render(kView, whole);
+    packed.frame.render(kView, whole);
+    const auto a = gpu::as<std::uint64_t>(gpu::readImage(device(), rig.frame.radiance()));
+    const auto b = gpu::as<std::uint64_t>(gpu::readImage(device(), packed.frame.radiance()));
+    off = 0;
+    for (std::size_t i = 0; i < a.size(); ++i) {
+        const float x = glm::unpackHalf4x16(a[i]).y, y = glm::unpackHalf4x16(b[i]).y;
+        off += std::abs(x - y) > 0.02f * (0.1f + x);
+    }
+    EXPECT_LT(off, a.size() / 20);
 }
 
 class SupersampleTest : public GpuTest {

@@ -139,7 +139,7 @@ LS_NAMESPACE_END
     VISIT(p.view.clipFromWorld) VISIT(p.view.viewFromWorld) VISIT(p.view.eye) \
     VISIT(p.view.clipScale) \
     VISIT(p.coarse.size) VISIT(p.coarse.fullSize) VISIT(p.coarse.rate) \
-    VISIT(p.coarse.terms) VISIT(p.coarse.step) \
+    VISIT(p.coarse.terms) VISIT(p.coarse.yang) VISIT(p.coarse.step) \
     LS_VISIT_VIEW(VISIT, p.lightView) \
     VISIT(p.light.toSun) VISIT(p.light.sunIlluminance) \
     LS_VISIT_5(VISIT, p.light.irradiance) VISIT(p.light.irradiance[5]) \

@@ -269,7 +269,7 @@ Frame::Whole Frame::makeWhole() const {
     };
     return {.sampleGrid = visibility::SampleGrid(*device),
             .guides = {*device, scene::SceneFeatures{}, true},
-            .pack = upsample::PackCoarse(*device),
+            .pack = upsample::PackCoarse(*device, options.packing),
             .ids = image(vk::Format::eR32Uint, "grid S: ids"),
             .points = image(vk::Format::eR32G32Sfloat, "grid S: points"),
             .terms = image(vk::Format::eR16G16B16A16Sfloat, "grid S: terms"),
@@ -421,8 +421,12 @@ void Frame::findVisible(const geometry::CullView& view) {
 }
 
 void Frame::evaluateTerms(const budget::Levers& levers) {
-    const shading::Coarse::Inputs inputs{idImage, lightMaps.sunMap(), lightMaps.skyMaps(),
-                                         viewBuffer, lightBuffer};
+    const shading::Coarse::Inputs inputs{.ids = idImage,
+                                         .sunMap = lightMaps.sunMap(),
+                                         .skyMaps = lightMaps.skyMaps(),
+                                         .view = viewBuffer,
+                                         .light = lightBuffer,
+                                         .packing = options.packing};
     const bool repairing = levers.repair > 0;
     refines = false;
     if (repairing) upsample::RepairSelect::clear(rec, repairList);

@@ -46,6 +46,7 @@ struct FrameSettings {
     post::ReduceFilter reduce = post::ReduceFilter::box;
     upsample::Reconstruct reconstruct = upsample::Reconstruct::bilateral;
     upsample::Sigmas sigmas;
+    upsample::Packing packing = upsample::Packing::full;
     geometry::CullMode cull = geometry::CullMode::frustum;
     geometry::LodChoice lod;
     bool showLods = false;  ///< colour the picture by level of detail

@@ -24,7 +24,9 @@ void write(ivec2 texel, vec4 terms, vec3 viewNormal, float depth) {
     if (kFullRate != 0)
         imageStore(outTerms, texel, terms);
     else
-        imageStore(outCoarse, texel, packCoarse(terms, viewNormal, depth));
+        imageStore(outCoarse, texel,
+                   params.yang != 0 ? packCoarseYang(terms, viewNormal, depth)
+                                    : packCoarse(terms, viewNormal, depth));
 }
 
 void main() {

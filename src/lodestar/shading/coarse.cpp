@@ -55,13 +55,14 @@ std::vector<gpu::Binding> withPoints(const Coarse::Inputs& in, const vk::raii::S
     return all;
 }
 
-shared::CoarseParams paramsOf(vk::Extent2D full, float rate, Coarse::Mask terms,
+shared::CoarseParams paramsOf(const Coarse::Inputs& in, float rate, Coarse::Mask terms,
                               std::uint32_t step = 1) {
-    const vk::Extent2D size = coarseExtent(full, rate);
+    const vk::Extent2D full = in.ids.extent, size = coarseExtent(full, rate);
     return {.size = {size.width, size.height},
             .fullSize = {full.width, full.height},
             .rate = rate,
             .terms = terms,
+            .yang = in.packing == upsample::Packing::yang,
             .step = step};
 }
 
@@ -95,7 +96,7 @@ void Coarse::record(gpu::Recorder& rec, const scene::GpuScene& scene, const Inpu
     rec.dispatch(coarse,
                  gpu::groups8x8({gpu::groups(size.width, step), gpu::groups(size.height, step)}),
                  scene::withScene(scene, withPoints(in, pointSampler, out, noPoints)),
-                 paramsOf(in.ids.extent, rate, terms, step));
+                 paramsOf(in, rate, terms, step));
 }
 
 void Coarse::recordListed(gpu::Recorder& rec, const scene::GpuScene& scene, const Inputs& in,
@@ -105,7 +106,7 @@ void Coarse::recordListed(gpu::Recorder& rec, const scene::GpuScene& scene, cons
     auto all = bindings(in, pointSampler, out);
     all.insert(all.end(), {list.header, list.listed});
     rec.dispatchIndirect(listed, list.header, scene::withScene(scene, all),
-                         paramsOf(in.ids.extent, rate, terms));
+                         paramsOf(in, rate, terms));
 }
 
 void Coarse::recordFull(gpu::Recorder& rec, const scene::GpuScene& scene, const Inputs& in,
@@ -118,7 +119,7 @@ void Coarse::recordFull(gpu::Recorder& rec, const scene::GpuScene& scene, const 
                                                                 : fullMerge;
     rec.dispatch(kernel, gpu::groups8x8(in.ids.extent),
                  scene::withScene(scene, withPoints(in, pointSampler, out, noPoints)),
-                 paramsOf(in.ids.extent, 1, terms));
+                 paramsOf(in, 1, terms));
 }
 
 void Coarse::recordRepair(gpu::Recorder& rec, const scene::GpuScene& scene, const Inputs& in,
@@ -126,8 +127,7 @@ void Coarse::recordRepair(gpu::Recorder& rec, const scene::GpuScene& scene, cons
     const auto pass = rec.pass("repair");
     auto all = bindings(in, pointSampler, out);
     all.insert(all.end(), {list.header, list.kept});
-    rec.dispatchIndirect(repair, list.header, scene::withScene(scene, all),
-                         paramsOf(in.ids.extent, 1, terms));
+    rec.dispatchIndirect(repair, list.header, scene::withScene(scene, all), paramsOf(in, 1, terms));
 }
 
 }  // namespace lodestar::shading

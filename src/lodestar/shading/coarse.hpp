@@ -6,6 +6,7 @@
 #include <lodestar/shading/coarse_params.h>
 #include <lodestar/gpu/recorder.hpp>
 #include <lodestar/scene/gpu_scene.hpp>
+#include <lodestar/upsample/reconstruct.hpp>
 #include <lodestar/upsample/refine.hpp>
 #include <lodestar/upsample/repair.hpp>
 
@@ -30,6 +31,7 @@ public:
         /// RG32_SFLOAT, of the extent of `ids`, for recordFull: where each is met, in NDC; none: at
         /// the centres of pixels
         std::optional<gpu::View> points = {};
+        upsample::Packing packing = upsample::Packing::full;  ///< of texels of S
     };
     /// Which of the terms: bits LS_TERM_…
     using Mask = std::uint32_t;

@@ -19,7 +19,9 @@ void main() {
     const vec2 centre = centreOf(texel, params);
     const uint id = texelFetch(ids, ivec2(centre), 0).x;
     const SurfacePoint at = surfacePoint(id, centre / vec2(params.fullSize) * 2 - 1);
+    const vec4 terms = evaluateTerms(at, params.terms);
+    const vec3 normal = mat3(view.viewFromWorld) * at.normal;
     imageStore(outCoarse, texel,
-               packCoarse(evaluateTerms(at, params.terms), mat3(view.viewFromWorld) * at.normal,
-                          at.depth));
+               params.yang != 0 ? packCoarseYang(terms, normal, at.depth)
+                                : packCoarse(terms, normal, at.depth));
 }

@@ -17,6 +17,7 @@ struct CoarseParams {
     uvec2 fullSize;  // of O
     float rate;      // r
     uint terms;      // the terms to evaluate; others are 1
+    uint yang;       // 1: what the paper's packing keeps (upsample::Packing)
     uint step;       // texels of S from one that is evaluated to the next
 };
 

@@ -12,10 +12,11 @@ using gpu::Slot;
 
 }  // namespace
 
-PackCoarse::PackCoarse(const gpu::Device& device)
+PackCoarse::PackCoarse(const gpu::Device& device, Packing packing)
     : pointSampler(device.vk(), vk::SamplerCreateInfo{}),
       kernel(device, "pack coarse", kCode,
-             {Slot::sampledImage, Slot::sampledImage, Slot::sampledImage, Slot::storageImage}) {}
+             {Slot::sampledImage, Slot::sampledImage, Slot::sampledImage, Slot::storageImage}, 0,
+             {packing == Packing::yang}) {}
 
 void PackCoarse::record(gpu::Recorder& rec, const Inputs& in, gpu::View coarse) const {
     const auto pass = rec.pass("pack");

@@ -2,13 +2,14 @@
 #pragma once
 
 #include <lodestar/gpu/recorder.hpp>
+#include <lodestar/upsample/reconstruct.hpp>
 
 namespace lodestar::upsample {
 
 /// Packs what was shaded on grid S, so that Upsample's taps are one load each.
 class PackCoarse {
 public:
-    explicit PackCoarse(const gpu::Device&);
+    explicit PackCoarse(const gpu::Device&, Packing = Packing::full);
 
     struct Inputs {
         gpu::View terms;   ///< grid S, any float format: the four values to reconstruct

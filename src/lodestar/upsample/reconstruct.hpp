@@ -22,6 +22,14 @@ enum class Reconstruct {
 inline constexpr std::array<std::string_view, 7> kReconstructNames{
     "bilateral", "bilinear", "biquadratic", "bicubic", "gaussian", "nearest", "nearest-depth"};
 
+/// What a texel of S keeps of what was shaded there.
+enum class Packing {
+    full,  ///< halves, and depth as a float: 16 bytes
+    /// what the paper's RGBA16 target holds: values in 8 bits, depth in 16, the normal's x and y in
+    /// 8 each. Stored as `full` is, so that its quality can be compared, not its memory.
+    yang,
+};
+
 /// Widths of the range filters: how unlike a tap may be. Both scale-free; infinity switches one
 /// off.
 struct Sigmas {

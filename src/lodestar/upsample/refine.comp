@@ -52,7 +52,9 @@ void main() {
             e[j] = params.depthFalloff * dz * dz + params.normalFalloff * dot(dn, dn);
             least = min(least, e[j]);
         }
-        // The taps that lie on the line of the texel make it; all that are like it must agree.
+        // The taps on the line of the texel make it: each must be like it. All that are like it,
+        // beside the line too, must agree.
+        float worst = 0;
         vec4 sum = vec4(0), low = vec4(3e38), high = vec4(-3e38);
         float weights = 0;
         for (int j = 0; j < 4; ++j) {
@@ -60,13 +62,15 @@ void main() {
             const bool like = e[j] <= least + 2;
             low = like ? min(low, values) : low;
             high = like ? max(high, values) : high;
-            const float w = (j & ~k) == 0 ? exp2(clamp(least - e[j], -126.0, 0.0)) : 1e-30;
+            const bool onLine = (j & ~k) == 0;
+            worst = onLine ? max(worst, e[j]) : worst;
+            const float w = onLine ? exp2(clamp(least - e[j], -126.0, 0.0)) : 1e-30;
             sum += w * values;
             weights += w;
         }
         const vec4 apart = high - low;
         const float spread = max(max(apart.x, apart.y), max(apart.z, apart.w));
-        if (z == 0 || (least <= params.unlike && spread <= params.spread))
+        if (z == 0 || (worst <= params.unlike && spread <= params.spread))
             imageStore(outCoarse, texel, packCoarse(sum / weights, n, z));
         else
             list(texel);

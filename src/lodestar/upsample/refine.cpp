@@ -15,7 +15,7 @@ constexpr std::uint32_t kCode[] =
 using gpu::Slot;
 using gpu::Stage;
 
-constexpr float kLeastWeight = 0.5f;  // g·g of the best neighbour of a texel that is filled in
+constexpr float kLeastWeight = 0.5f;  // g·g of each neighbour that a texel is filled in from
 
 }  // namespace
 

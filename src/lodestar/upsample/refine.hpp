@@ -30,9 +30,9 @@ public:
     };
     /// Fills in `coarse` (RGBA32_UINT) or lists. A texel is filled in where the evaluated ones
     /// about it that are like it in depth and normal lie at most `spread` apart in all terms and
-    /// one of them is like it indeed. Pass "refine". Leaves the list visible to compute and
-    /// indirect. Throws std::invalid_argument for a grid larger than the list's, a rate below 1 or
-    /// a spread that is not above 0.
+    /// those it would be made of are all like it. Pass "refine". Leaves the list visible to compute
+    /// and indirect. Throws std::invalid_argument for a grid larger than the list's, a rate below 1
+    /// or a spread that is not above 0.
     void record(gpu::Recorder&, const Inputs&, const Sigmas&, float spread, gpu::View coarse,
                 const RefineList&) const;
 

@@ -16,7 +16,7 @@ struct RefineParams {
     float spread;         // texels whose neighbours lie no further apart than this are filled in
     float depthFalloff;   // as of UpsampleParams
     float normalFalloff;
-    float unlike;         // −log2 of the least g·g of the best neighbour
+    float unlike;         // −log2 of the least g·g of a neighbour it is filled in from
 };
 
 LS_NAMESPACE_END
