@@ -195,9 +195,8 @@ Result<BenchResult> run(const BenchOptions& options) {
     if (!cases) return tl::unexpected(cases.error());
     BenchResult result;
     result.report.settings = settingsJson(options.settings);
-    // A scene of the user's takes the part of the first; it says nothing of the others.
-    for (std::size_t i = 0; i < cases->size(); ++i)
-        if (auto done = measureScene(kPaperScenes[i], (*cases)[i], options, result); !done)
+    for (const BenchCase& one : *cases)
+        if (auto done = measureScene(roleOf(one), one, options, result); !done)
             return tl::unexpected(done.error());
     result.source = published("yang2008_fig2").at("rows");
     return result;

@@ -79,6 +79,13 @@ Load findLoad(const PaperScene& paper, const Session& session, const scene::Came
     return load;
 }
 
+const PaperScene& roleOf(const BenchCase& what) {
+    const auto name = std::filesystem::path(what.scene).filename();
+    const auto found = std::find_if(kPaperScenes.begin(), kPaperScenes.end(),
+                                    [&](const PaperScene& paper) { return name == paper.file; });
+    return found == kPaperScenes.end() ? kPaperScenes.front() : *found;
+}
+
 Result<std::vector<BenchCase>> paperCases(const BenchOptions& options) {
     std::vector<BenchCase> defaults;
     for (const PaperScene& paper : kPaperScenes) defaults.push_back({paper.file, paper.camera, ""});

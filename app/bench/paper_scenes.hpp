@@ -44,6 +44,8 @@ Load findLoad(const PaperScene&, const Session&, const scene::Camera&, const fra
 
 double passMs(const gpu::FrameTimes&, const char* name);
 
+/// The scene of the paper whose model a case shows; the first for a scene of the user's own.
+const PaperScene& roleOf(const BenchCase&);
 /// The cases of all three, or the one asked for in their place.
 Result<std::vector<BenchCase>> paperCases(const BenchOptions&);
 
