@@ -29,8 +29,13 @@ struct Widths {
     upsample::Packing packing = upsample::Packing::full;
 };
 constexpr std::array kWidths{
-    Widths{"large z, large n", false, false}, Widths{"small z, large n", true, false},
-    Widths{"large z, small n", false, true}, Widths{"small z, small n", true, true}};
+    Widths{"large z, large n", false, false},
+    Widths{"small z, large n", true, false},
+    Widths{"large z, small n", false, true},
+    Widths{"small z, small n", true, true},
+    Widths{"the same, packed as RGBA16", true, true, upsample::Packing::yang},
+};
+constexpr std::size_t kLargeBoth = 0, kSmallBoth = 3;
 
 struct Shown {
     const Widths* widths;
