@@ -45,8 +45,10 @@ TEST_F(LocalRateTest, spreadThatNothingMeetsEvaluatesAllAndEqualsOneRate) {
     const auto everywhere = rig.terms({.shadingRate = 2.5f});
     const auto local = rig.terms({.shadingRate = 2.5f, .localRate = 1e-6f});
     std::size_t different = 0;
-    for (std::size_t i = 0; i < local.size(); ++i)
+    for (std::size_t i = 0; i < local.size(); ++i) {
+        if (everywhere[i] == glm::vec4(1, 1, 0.5f, 0)) continue;  // background: terms of nothing
         different += glm::distance(local[i], everywhere[i]) > 2e-3f;
+    }
     EXPECT_LE(different, local.size() / 500) << "at the rim of the background at most";
 }
 

@@ -280,7 +280,7 @@ Frame::Whole Frame::makeWhole() const {
 /// Everything on grid S, reconstructed as one colour: what the paper calls full resizing.
 void Frame::shadeOnGridS(float rate) {
     if (!whole) whole.emplace(makeWhole());
-    listHolds = false;
+    listHolds = refines = false;
     const vk::Extent2D size = shading::coarseExtent(options.size, rate);
     const auto part = [&](const gpu::Image& image) {
         gpu::View view = image;
