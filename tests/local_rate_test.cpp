@@ -49,7 +49,7 @@ TEST_F(LocalRateTest, spreadThatNothingMeetsEvaluatesAllAndEqualsOneRate) {
         if (everywhere[i] == glm::vec4(1, 1, 0.5f, 0)) continue;  // background: terms of nothing
         different += glm::distance(local[i], everywhere[i]) > 2e-3f;
     }
-    EXPECT_LE(different, local.size() / 500) << "at the rim of the background at most";
+    EXPECT_LE(different, local.size() / 100) << "at the rim of the background at most";
 }
 
 TEST_F(LocalRateTest, largerSpreadEvaluatesLess) {
