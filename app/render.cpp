@@ -36,6 +36,7 @@ struct Options {
     budget::Levers levers;
     std::vector<std::string> aovs;
     bool reference = false;
+    std::string outside;  ///< camera to look from at what the last frame drew; empty = none
 };
 
 /// `frame.png` with frame number 7 of a numbered run: `frame.0007.png`.
@@ -229,6 +230,18 @@ Result<void> run(Options options) {
         if (!written) return written;
     }
 
+    if (!options.outside.empty()) {
+        ViewOptions view{.size = options.view.size, .camera = options.outside};
+        const auto outside = resolveCamera(*session, view);
+        if (!outside) return tl::unexpected(outside.error());
+        // Judging renders other frames: draw the last one once more.
+        frame.render(outcome.run.lastCamera, options.levers);
+        frame.renderOutside(*outside);
+        files.push_back(beside(out, "outside"));
+        if (auto done = writePng(files.back(), readDisplay(*session->device, frame)); !done)
+            return done;
+    }
+
     const auto passes = summarisePasses(outcome.run.costs);
     printPasses(passes, outcome.frameMs);
     printSummary(options, outcome);
@@ -285,6 +298,13 @@ void addRender(CLI::App& app, int& exitCode) {
         ->add_flag("--reference", o->reference,
                    "also render at full quality and report PSNR, SSIM and FLIP against it")
         ->group("Run");
+    command
+        ->add_option(
+            "--outside", o->outside,
+            "also write NAME.outside.png: what was drawn of the last frame, seen from this "
+            "camera of the scene; what was culled is missing")
+        ->type_name("CAMERA")
+        ->group("Geometry");
     addLeverOptions(*command, o->levers);
     addGeometryOptions(*command, o->settings);
     addFrameOptions(*command, o->settings);
