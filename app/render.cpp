@@ -39,6 +39,7 @@ struct Options {
     fs::path settingsFile;  ///< of calibrate
     bool tuned = false;     ///< the levers are chosen in a warm-up
     bool reference = false;
+    std::string outside;  ///< camera to look from at what the last frame drew; empty = none
 };
 
 /// `frame.png` with frame number 7 of a numbered run: `frame.0007.png`.
@@ -258,6 +259,18 @@ Result<void> run(Options options) {
         if (!written) return written;
     }
 
+    if (!options.outside.empty()) {
+        ViewOptions view{.size = options.view.size, .camera = options.outside};
+        const auto outside = resolveCamera(*session, view);
+        if (!outside) return tl::unexpected(outside.error());
+        // Judging renders other frames: draw the last one once more.
+        frame.render(outcome.run.lastCamera, options.levers);
+        frame.renderOutside(*outside);
+        files.push_back(beside(out, "outside"));
+        if (auto done = writePng(files.back(), readDisplay(*session->device, frame)); !done)
+            return done;
+    }
+
     const auto passes = summarisePasses(outcome.run.costs);
     printPasses(passes, outcome.frameMs);
     printSummary(options, outcome);
@@ -328,6 +341,13 @@ void addRender(CLI::App& app, int& exitCode) {
                                 ->type_name("FILE")
                                 ->excludes(tuned)
                                 ->group("Run");
+    command
+        ->add_option(
+            "--outside", o->outside,
+            "also write NAME.outside.png: what was drawn of the last frame, seen from this "
+            "camera of the scene; what was culled is missing")
+        ->type_name("CAMERA")
+        ->group("Geometry");
     addLeverOptions(*command, o->levers);
     for (CLI::Option* chosen : {tuned, settings})
         chosen->excludes(command->get_option("--shading-rate"));
