@@ -5,6 +5,7 @@
 #include "lodestar/geometry/cull_params.h"
 #include "lodestar/gpu/prefix_sum_params.h"
 #include "lodestar/post/tonemap_params.h"
+#include "lodestar/scale/spatial_params.h"
 #include "lodestar/scene/gpu_types.h"
 #include "lodestar/shading/coarse_params.h"
 #include "lodestar/shading/light_params.h"
@@ -54,6 +55,7 @@ struct AllParams {
     FragmentsParams fragments;
     RebuildParams rebuild;
     SampleGridParams sampleGrid;
+    SpatialParams spatial;
 };
 
 LS_NAMESPACE_END
@@ -145,7 +147,9 @@ LS_NAMESPACE_END
     VISIT(p.fragments.clipFromWorld) VISIT(p.fragments.eye) VISIT(p.fragments.base) \
     VISIT(p.fragments.capacity) \
     VISIT(p.rebuild.pixelNdc) \
-    VISIT(p.sampleGrid.size) VISIT(p.sampleGrid.fullSize) VISIT(p.sampleGrid.rate)
+    VISIT(p.sampleGrid.size) VISIT(p.sampleGrid.fullSize) VISIT(p.sampleGrid.rate) \
+    VISIT(p.spatial.step) VISIT(p.spatial.texelSize) VISIT(p.spatial.last) \
+    VISIT(p.spatial.live) VISIT(p.spatial.size) VISIT(p.spatial.amount) VISIT(p.spatial.seed)
 // clang-format on
 
 #endif

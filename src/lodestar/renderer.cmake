@@ -28,6 +28,7 @@ add_library(lodestar STATIC
     upsample/repair.cpp
     upsample/upsample.cpp
     post/tonemap.cpp
+    scale/spatial.cpp
     frame/capture_frame.cpp
     frame/frame.cpp
     frame/light_maps.cpp
@@ -67,4 +68,5 @@ lodestar_shaders(lodestar
     upsample/repair_cut.comp
     upsample/upsample.comp
     post/tonemap.comp
+    scale/spatial.comp
 )
