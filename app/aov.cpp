@@ -95,13 +95,12 @@ Result<std::vector<std::filesystem::path>> writeAovs(const gpu::Device& device,
                                                      const frame::Frame& frame,
                                                      const std::vector<std::string>& names,
                                                      const std::filesystem::path& out) {
-    const Planes planes{
-        .depth = gpu::as<float>(gpu::readImage(device, frame.surface().depth)),
-        .normal = gpu::as<std::uint32_t>(gpu::readImage(device, frame.surface().normal)),
-        .ids = gpu::as<std::uint32_t>(gpu::readImage(device, frame.ids())),
-        .material = gpu::as<glm::uvec4>(gpu::readImage(device, frame.surface().material)),
-        .terms = gpu::as<std::uint64_t>(gpu::readImage(device, frame.terms()))};
-    const vk::Extent2D size = frame.settings().size;
+    const Planes planes{.depth = gpu::as<float>(gpu::readImage(device, frame.depth())),
+                        .normal = gpu::as<std::uint32_t>(gpu::readImage(device, frame.normal())),
+                        .ids = gpu::as<std::uint32_t>(gpu::readImage(device, frame.ids())),
+                        .material = gpu::as<glm::uvec4>(gpu::readImage(device, frame.material())),
+                        .terms = gpu::as<std::uint64_t>(gpu::readImage(device, frame.terms()))};
+    const vk::Extent2D size = frame.grid();
     std::vector<std::filesystem::path> files;
     for (const std::string& name : names) {
         files.push_back(std::filesystem::path(out).replace_extension(name + ".exr"));

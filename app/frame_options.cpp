@@ -68,6 +68,15 @@ Result<float> parseExposure(const std::string& text) {
     return fail("'" + text + "' is no exposure: give a number above 0, or auto");
 }
 
+Result<scale::Filter> parseScaleFilter(const std::string& text) {
+    const auto& names = scale::kFilterNames;
+    const auto found = std::find(names.begin(), names.end(), text);
+    if (found != names.end()) return scale::Filter(found - names.begin());
+    std::string list;
+    for (const auto name : names) list += (list.empty() ? "" : ", ") + std::string(name);
+    return fail("'" + text + "' is no scaling filter: one of " + list);
+}
+
 Result<double> parseRate(const std::string& text) {
     const Result<double> number = parseNumber(text);
     if (number && *number >= 1 && *number <= 64) return number;
@@ -129,8 +138,11 @@ void addLeverOptions(CLI::App& app, budget::Levers& levers) {
         app, "--shading-rate", levers,
         [&levers](const std::string& text) {
             auto parsed = parseRates(text);
-            if (parsed) parsed->repair = levers.repair;
-            return parsed;
+            if (!parsed) return parsed;
+            budget::Levers changed = levers;
+            changed.shadingRate = parsed->shadingRate;
+            changed.split = parsed->split;
+            return Result<budget::Levers>(changed);
         },
         "r of the coarse terms, all of them or one by one as in shadow=4,ao=2; 1 = full quality. "
         "Under a budget the proportions stay")
@@ -139,6 +151,13 @@ void addLeverOptions(CLI::App& app, budget::Levers& levers) {
         ->group(kGroup);
     app.add_flag("--full-resize,!--fine-grained", levers.resizeAll,
                  "shade as a whole on the coarse grid, not the expensive terms alone")
+        ->group(kGroup);
+    app.add_option("--scale,--render-scale", levers.renderScale,
+                   "render at this share of the size along each axis and scale the picture; above "
+                   "1: supersampled")
+        ->type_name("S")
+        ->check(CLI::Range(0.5, 2.0))
+        ->capture_default_str()
         ->group(kGroup);
     app.add_option_function<double>(
            "--repair", [&levers](double share) { levers.repair = static_cast<float>(share); },
@@ -157,6 +176,7 @@ Json leversJson(const budget::Levers& levers) {
         rates[std::string(budget::kTermNames[i])] = levers.rate(budget::Term(i));
     return {{"shading_rate", levers.shadingRate},
             {"rates", rates},
+            {"render_scale", levers.renderScale},
             {"repair", levers.repair},
             {"full_resize", levers.resizeAll}};
 }
@@ -203,6 +223,11 @@ void addFrameOptions(CLI::App& app, frame::FrameSettings& settings) {
               "how unlike in normal a tap may be; inf: any")
         ->type_name("S")
         ->default_str(fmt::format("{}", settings.sigmas.n))
+        ->group(kGroup);
+    addParsed(app, "--scale-filter,--filter", settings.scaling.filter, parseScaleFilter,
+              "how a picture of another --scale is brought to size: edge-adaptive (default), "
+              "bicubic, bilinear, point, noise or noise-offset")
+        ->type_name("FILTER")
         ->group(kGroup);
     app.add_option("--shadow-taps", settings.shadowTaps, "N of the N×N shadow filter; 0: no shadow")
         ->type_name("N")
@@ -252,6 +277,8 @@ Json settingsJson(const frame::FrameSettings& s) {
     return {{"width", s.size.width},
             {"height", s.size.height},
             {"reconstruct", nameOf(s.reconstruct)},
+            {"max_scale", s.maxScale},
+            {"scale_filter", std::string(scale::kFilterNames[std::size_t(s.scaling.filter)])},
             {"sigma_z", sigmaJson(s.sigmas.z)},
             {"sigma_n", sigmaJson(s.sigmas.n)},
             {"shadow_taps", s.shadowTaps},

@@ -169,6 +169,7 @@ Result<void> run(Options options) {
     if (!camera) return tl::unexpected(camera.error());
     options.settings.size = vk::Extent2D{static_cast<std::uint32_t>(options.view.size.width),
                                          static_cast<std::uint32_t>(options.view.size.height)};
+    options.settings.maxScale = std::max(1.0f, options.levers.renderScale);
     frame::Frame frame(*session->device, *session->gpuScene, options.settings);
     fmt::print("{} at {}x{} on {}\n", printable(options.scene), options.view.size.width,
                options.view.size.height, session->device->description().name);

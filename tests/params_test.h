@@ -8,6 +8,7 @@
 #include "lodestar/scale/spatial_params.h"
 #include "lodestar/scene/gpu_types.h"
 #include "lodestar/shading/coarse_params.h"
+#include "lodestar/shading/combine_params.h"
 #include "lodestar/shading/light_params.h"
 #include "lodestar/upsample/upsample_params.h"
 #include "lodestar/visibility/capture_compute_params.h"
@@ -56,6 +57,7 @@ struct AllParams {
     RebuildParams rebuild;
     SampleGridParams sampleGrid;
     SpatialParams spatial;
+    CombineParams combine;
 };
 
 LS_NAMESPACE_END
@@ -121,13 +123,13 @@ LS_NAMESPACE_END
     LS_VISIT_VIEWS_4(VISIT, p.light.views, 0) LS_VISIT_VIEWS_4(VISIT, p.light.views, 4) \
     LS_VISIT_VIEWS_4(VISIT, p.light.views, 8) \
     LS_VISIT_VIEWS_4(VISIT, p.light.views, 12) LS_VISIT_VIEW(VISIT, p.light.views[16]) \
-    VISIT(p.upsample.size) VISIT(p.upsample.inverseRate) VISIT(p.upsample.depthFalloff) \
+    VISIT(p.upsample.size) VISIT(p.upsample.fullSize) VISIT(p.upsample.inverseRate) VISIT(p.upsample.depthFalloff) \
     VISIT(p.upsample.normalFalloff) VISIT(p.upsample.terms) VISIT(p.upsample.repairAbove) VISIT(p.upsample.repairSpread) \
     LS_VISIT_3(VISIT, p.repair.groups) VISIT(p.repair.listed) VISIT(p.repair.kept) \
     VISIT(p.repair.cut) LS_VISIT_BINS_16(VISIT, p.repair.bins, 0) \
     LS_VISIT_BINS_16(VISIT, p.repair.bins, 16) LS_VISIT_BINS_16(VISIT, p.repair.bins, 32) \
     LS_VISIT_BINS_16(VISIT, p.repair.bins, 48) VISIT(p.repairSelect.most) \
-    VISIT(p.tonemap.exposure) \
+    VISIT(p.tonemap.exposure) VISIT(p.tonemap.size) \
     VISIT(p.compactVisibility.width) VISIT(p.compactVisibility.firstRow) \
     VISIT(p.compactVisibility.rows) VISIT(p.compactVisibility.band) \
     VISIT(p.compactVisibility.capacity) \
@@ -146,10 +148,11 @@ LS_NAMESPACE_END
     VISIT(p.expand.maskedFrom) \
     VISIT(p.fragments.clipFromWorld) VISIT(p.fragments.eye) VISIT(p.fragments.base) \
     VISIT(p.fragments.capacity) \
-    VISIT(p.rebuild.pixelNdc) \
+    VISIT(p.rebuild.pixelNdc) VISIT(p.rebuild.size) \
     VISIT(p.sampleGrid.size) VISIT(p.sampleGrid.fullSize) VISIT(p.sampleGrid.rate) \
     VISIT(p.spatial.step) VISIT(p.spatial.texelSize) VISIT(p.spatial.last) \
-    VISIT(p.spatial.live) VISIT(p.spatial.size) VISIT(p.spatial.amount) VISIT(p.spatial.seed)
+    VISIT(p.spatial.live) VISIT(p.spatial.size) VISIT(p.spatial.amount) VISIT(p.spatial.seed) \
+    VISIT(p.combine.size)
 // clang-format on
 
 #endif

@@ -24,6 +24,9 @@ struct Levers {
     /// like the pixel; 0 = none.
     float repair = 0;
 
+    /// S: the frame is rendered at S·W × S·H and scaled to W × H; above 1 it is supersampled.
+    float renderScale = 1;
+
     /// The whole shading goes to grid S, not the expensive terms alone (the paper's full resizing).
     bool resizeAll = false;
 

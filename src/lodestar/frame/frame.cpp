@@ -82,6 +82,17 @@ std::vector<RateGroup> rateGroups(const budget::Levers& levers) {
     return groups;
 }
 
+constexpr float kLeastScale = 0.5f, kMostScale = 2;
+
+/// `size` at a render scale, at least a pixel and at most what a target can be.
+vk::Extent2D scaled(vk::Extent2D size, float scale) {
+    const auto along = [&](std::uint32_t n) {
+        return std::clamp(static_cast<std::uint32_t>(std::lround(static_cast<float>(n) * scale)),
+                          1u, 16384u);
+    };
+    return {along(size.width), along(size.height)};
+}
+
 float luminance(glm::vec3 color) {
     return glm::dot(color, glm::vec3(0.2126f, 0.7152f, 0.0722f));
 }
@@ -89,6 +100,8 @@ float luminance(glm::vec3 color) {
 const FrameSettings& checked(const FrameSettings& s) {
     if (s.size.width < 1 || s.size.height < 1 || s.size.width > 16384 || s.size.height > 16384)
         throw std::invalid_argument("FrameSettings::size must be 1 … 16384 pixels a side");
+    if (!(s.maxScale >= kLeastScale && s.maxScale <= kMostScale))
+        throw std::invalid_argument("FrameSettings::maxScale must be 0.5 … 2");
     if (s.shadowTaps > 32) throw std::invalid_argument("FrameSettings::shadowTaps must be ≤ 32");
     if (s.shadowMapSize < 16 || s.shadowMapSize > 16384)
         throw std::invalid_argument("FrameSettings::shadowMapSize must be 16 … 16384");
@@ -112,6 +125,8 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
     : device(&owner),
       scene(&gpuScene),
       options(checked(s)),
+      room(scaled(s.size, std::max(s.maxScale, 1.0f))),
+      live(s.size),
       sky(sunDirection(gpuScene, s)),
       irradiance(sky.irradiance()),
       aspect(s.aspect > 0 ? s.aspect
@@ -124,6 +139,7 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       repairSelect(owner),
       combine(owner, gpuScene.features()),
       tonemap(owner),
+      spatial(owner),
       eyeList(owner, gpuScene, "eye"),
       lightMaps(owner, gpuScene, sky,
                 {.sunTexels = s.shadowMapSize,
@@ -131,20 +147,21 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
                  .skyViews = s.skyViews,
                  .shadows = s.shadowTaps > 0,
                  .shadowDistance = s.shadowDistance}),
-      repairList(owner, s.size),
+      repairList(owner, room),
       viewBuffer(owner, "view", sizeof(shared::ViewParams), gpu::Residence::mapped),
       lightBuffer(owner, "light", sizeof(shared::LightParams), gpu::Residence::mapped),
-      idImage(target(owner, s.size, vk::Format::eR32Uint, "ids",
+      idImage(target(owner, room, vk::Format::eR32Uint, "ids",
                      Usage::eColorAttachment | Usage::eStorage)),
-      depthBuffer(target(owner, s.size, vk::Format::eD32Sfloat, "depth buffer",
+      depthBuffer(target(owner, room, vk::Format::eD32Sfloat, "depth buffer",
                          Usage::eDepthStencilAttachment)),
       skyImage(makeSkyImage(owner, sky)),
-      coarseImage(target(owner, s.size, vk::Format::eR32G32B32A32Uint, "coarse", Usage::eStorage)),
-      termImage(target(owner, s.size, vk::Format::eR16G16B16A16Sfloat, "terms", Usage::eStorage)),
+      coarseImage(target(owner, room, vk::Format::eR32G32B32A32Uint, "coarse", Usage::eStorage)),
+      termImage(target(owner, room, vk::Format::eR16G16B16A16Sfloat, "terms", Usage::eStorage)),
       radianceImage(
-          target(owner, s.size, vk::Format::eR16G16B16A16Sfloat, "radiance", Usage::eStorage)),
+          target(owner, room, vk::Format::eR16G16B16A16Sfloat, "radiance", Usage::eStorage)),
+      shownImage(target(owner, room, vk::Format::eR8G8B8A8Unorm, "shown", Usage::eStorage)),
       displayImage(target(owner, s.size, vk::Format::eR8G8B8A8Unorm, "display", Usage::eStorage)),
-      surfaces(owner, s.size),
+      surfaces(owner, room),
       rec(owner) {
     // A sun of the file has the colour it says. Its strength sets what a lux is: the sky is as
     // bright beside it as beside the real sun, lamps and emissive surfaces as the file has them.
@@ -162,15 +179,14 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
         render(camera, {});
         meter();
     }
-    rec.begin();
-    lightMaps.update(rec, *scene, cull, camera, aspect);
-    writeUniforms(camera);
+    begin(camera, levers.renderScale);
 
     // Which triangle does each pixel show?
-    cull.record(rec, *scene, {clipFromWorld(camera), camera.eye, options.size}, eyeList);
+    cull.record(rec, *scene, {clipFromWorld(camera), camera.eye, live}, eyeList);
     rec.barrier(Stage::compute, Stage::raster);
     rec.barrier(Stage::compute, Stage::indirect);
-    capture.record(rec, *scene, eyeList, clipFromWorld(camera), {idImage, depthBuffer}, "capture");
+    capture.record(rec, *scene, eyeList, clipFromWorld(camera), {ids(), part(depthBuffer, live)},
+                   "capture");
     rec.barrier(Stage::raster, Stage::compute);
 
     shade(levers);
@@ -186,38 +202,55 @@ gpu::FrameTimes Frame::rebuild(const visibility::CompactRecord& from, const scen
     }
     if (!rebuilding || rebuilding->side != from.side)
         rebuilding = Rebuilding{from.side, {*device, from.side}};
-    rec.begin();
-    lightMaps.update(rec, *scene, cull, camera, aspect);
-    writeUniforms(camera);
-    rebuilding->expand.record(rec, *scene, from, clipFromWorld(camera), idImage);
+    begin(camera, levers.renderScale);
+    rebuilding->expand.record(rec, *scene, from, clipFromWorld(camera), ids());
     rec.barrier(Stage::compute, Stage::compute);
     shade(levers);
     return rec.submit();
 }
 
+void Frame::begin(const scene::Camera& camera, float renderScale) {
+    if (!(renderScale >= kLeastScale && renderScale <= std::max(options.maxScale, 1.0f)))
+        throw std::invalid_argument("Levers::renderScale must be 0.5 … FrameSettings::maxScale");
+    live = scaled(options.size, renderScale);
+    repairList.size = live;
+    rec.begin();
+    lightMaps.update(rec, *scene, cull, camera, aspect);
+    writeUniforms(camera);
+}
+
 void Frame::shade(const budget::Levers& levers) {
     if (levers.resizeAll && levers.shadingRate > 1) {
         shadeOnGridS(levers.shadingRate);
-        rec.barrier(Stage::compute, Stage::compute);
-        tonemap.record(rec, radianceImage, options.exposure, displayImage);
+        show();
         return;
     }
     // What is exact on grid O, and the expensive terms on grids S.
-    rebuildPass.record(rec, *scene, {idImage, viewBuffer}, surfaces);
+    rebuildPass.record(rec, *scene, {ids(), viewBuffer}, surfaces);
     evaluateTerms(levers);
     rec.barrier(Stage::compute, Stage::compute);
 
     combine.record(rec,
                    {viewBuffer, lightBuffer, surfaces.depth, surfaces.material, surfaces.emissive,
                     termImage, skyImage, scene->lights},
-                   radianceImage);
+                   radiance());
+    show();
+}
+
+void Frame::show() {
     rec.barrier(Stage::compute, Stage::compute);
-    tonemap.record(rec, radianceImage, options.exposure, displayImage);
+    if (live == options.size) {
+        tonemap.record(rec, radianceImage, options.exposure, displayImage);
+        return;
+    }
+    tonemap.record(rec, radianceImage, options.exposure, part(shownImage, live));
+    rec.barrier(Stage::compute, Stage::compute);
+    spatial.record(rec, shownImage, live, options.scaling, displayImage);
 }
 
 Frame::Whole Frame::makeWhole() const {
     const auto image = [&](vk::Format format, const char* name) {
-        return target(*device, options.size, format, name, Usage::eStorage);
+        return target(*device, room, format, name, Usage::eStorage);
     };
     return {.sampleGrid = visibility::SampleGrid(*device),
             .guides = {*device, scene::SceneFeatures{}},
@@ -226,41 +259,37 @@ Frame::Whole Frame::makeWhole() const {
             .points = image(vk::Format::eR32G32Sfloat, "grid S: points"),
             .terms = image(vk::Format::eR16G16B16A16Sfloat, "grid S: terms"),
             .radiance = image(vk::Format::eR16G16B16A16Sfloat, "grid S: radiance"),
-            .surfaces = {*device, options.size}};
+            .surfaces = {*device, room}};
 }
 
 /// Everything on grid S, reconstructed as one colour: what the paper calls full resizing.
 void Frame::shadeOnGridS(float rate) {
     if (!whole) whole.emplace(makeWhole());
     listHolds = false;
-    const vk::Extent2D size = shading::coarseExtent(options.size, rate);
-    const auto part = [&](const gpu::Image& image) {
-        gpu::View view = image;
-        view.extent = size;
-        return view;
-    };
-    const gpu::View ids = part(whole->ids), points = part(whole->points);
-    whole->sampleGrid.record(rec, idImage, rate, {ids, points});
+    const vk::Extent2D size = shading::coarseExtent(live, rate);
+    const auto onS = [&](const gpu::Image& image) { return part(image, size); };
+    const gpu::View ids = onS(whole->ids), points = onS(whole->points);
+    whole->sampleGrid.record(rec, this->ids(), rate, {ids, points});
     rec.barrier(Stage::compute, Stage::compute);
     rebuildPass.record(rec, *scene, {ids, viewBuffer, points, size}, whole->surfaces);
     coarse.recordFull(
         rec, *scene,
         {ids, lightMaps.sunMap(), lightMaps.skyMaps(), viewBuffer, lightBuffer, points},
-        shared::LS_ALL_TERMS, part(whole->terms));
+        shared::LS_ALL_TERMS, onS(whole->terms));
     rec.barrier(Stage::compute, Stage::compute);
     const visibility::Surface& surface = whole->surfaces;
     combine.record(rec,
                    {viewBuffer, lightBuffer, surface.depth, surface.material, surface.emissive,
                     whole->terms, skyImage, scene->lights, points},
-                   part(whole->radiance));
+                   onS(whole->radiance));
     // Conventional resizing has no guides and needs no depth and normal of O.
     const bool guided = upsample.guided();
-    if (guided) whole->guides.record(rec, *scene, {idImage, viewBuffer}, surfaces);
+    if (guided) whole->guides.record(rec, *scene, {this->ids(), viewBuffer}, surfaces);
     rec.barrier(Stage::compute, Stage::compute);
-    whole->pack.record(rec, {part(whole->radiance), surface.depth, surface.normal}, coarseImage);
+    whole->pack.record(rec, {onS(whole->radiance), surface.depth, surface.normal}, coarseImage);
     rec.barrier(Stage::compute, Stage::compute);
-    upsample.record(rec, {coarseImage, surfaces.depth, surfaces.normal, size, rate}, options.sigmas,
-                    radianceImage);
+    upsample.record(rec, {coarseImage, depth(), surfaces.normal, size, rate}, options.sigmas,
+                    radiance());
 }
 
 glm::mat4 Frame::clipFromWorld(const scene::Camera& camera) const {
@@ -307,9 +336,7 @@ gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
         return rebuildAntialiased(from, camera);
     }
 
-    rec.begin();
-    lightMaps.update(rec, *scene, cull, camera, aspect);
-    writeUniforms(camera);
+    begin(camera, 1);
     auto& set = smooth->set;
     smooth->fragments.recordWrite(rec, *scene, from, clipFromWorld(camera), camera.eye, set);
     rec.barrier(Stage::compute, Stage::compute);
@@ -328,18 +355,13 @@ gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
                        radiance);
     };
     shadeAt(set.ids, set.points, surfaces, termImage, smooth->mainRadiance);
-    const auto part = [&](const gpu::Image& image) {
-        gpu::View view = image;
-        view.extent = set.moreExtent();
-        return view;
-    };
+    const auto more = [&](const gpu::Image& image) { return part(image, set.moreExtent()); };
     if (set.needed() > 0)
-        shadeAt(part(set.moreIds), part(set.morePoints), smooth->surfaces, part(smooth->terms),
-                part(smooth->radiance));
+        shadeAt(more(set.moreIds), more(set.morePoints), smooth->surfaces, more(smooth->terms),
+                more(smooth->radiance));
     rec.barrier(Stage::compute, Stage::compute);
-    smooth->resolve.record(rec, set, smooth->mainRadiance, smooth->radiance, radianceImage);
-    rec.barrier(Stage::compute, Stage::compute);
-    tonemap.record(rec, radianceImage, options.exposure, displayImage);
+    smooth->resolve.record(rec, set, smooth->mainRadiance, smooth->radiance, radiance());
+    show();
     gpu::FrameTimes times = rec.submit();
     times.gpuMs += counted.gpuMs;
     times.wallMs += counted.wallMs;
@@ -348,8 +370,8 @@ gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
 }
 
 void Frame::evaluateTerms(const budget::Levers& levers) {
-    const shading::Coarse::Inputs inputs{idImage, lightMaps.sunMap(), lightMaps.skyMaps(),
-                                         viewBuffer, lightBuffer};
+    const shading::Coarse::Inputs inputs{ids(), lightMaps.sunMap(), lightMaps.skyMaps(), viewBuffer,
+                                         lightBuffer};
     const bool repairing = levers.repair > 0;
     if (repairing) upsample::RepairSelect::clear(rec, repairList);
     shading::Coarse::Mask written = 0, toRepair = 0;
@@ -368,8 +390,8 @@ void Frame::evaluateTerms(const budget::Levers& levers) {
         coarse.record(rec, *scene, inputs, group.terms, group.rate, coarseImage);
         rec.barrier(Stage::compute, Stage::compute);
         upsample.record(rec,
-                        {coarseImage, surfaces.depth, surfaces.normal,
-                         shading::coarseExtent(options.size, group.rate), group.rate},
+                        {coarseImage, depth(), surfaces.normal,
+                         shading::coarseExtent(live, group.rate), group.rate},
                         options.sigmas, termImage,
                         {.channels = mask,
                          .repair = lists ? &repairList : nullptr,
@@ -392,7 +414,7 @@ std::uint32_t Frame::repairedPixels() const {
 
 void Frame::meter() {
     std::vector<glm::vec4> texels;
-    for (const auto bits : gpu::as<std::uint64_t>(gpu::readImage(*device, radianceImage)))
+    for (const auto bits : gpu::as<std::uint64_t>(gpu::readImage(*device, radiance())))
         texels.push_back(glm::unpackHalf4x16(bits));
     options.exposure = post::meteredExposure(texels);
 }

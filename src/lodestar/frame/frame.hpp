@@ -8,6 +8,7 @@
 #include <lodestar/frame/light_maps.hpp>
 #include <lodestar/geometry/cull.hpp>
 #include <lodestar/post/tonemap.hpp>
+#include <lodestar/scale/spatial.hpp>
 #include <lodestar/scene/camera.hpp>
 #include <lodestar/shading/coarse.hpp>
 #include <lodestar/shading/combine.hpp>
@@ -25,6 +26,10 @@ namespace lodestar::frame {
 /// What stays the same from frame to frame. What a budget may change is in budget::Levers.
 struct FrameSettings {
     vk::Extent2D size{1280, 720};
+    /// Largest Levers::renderScale: targets are made for it (or for 1) once, and smaller scales use
+    /// a part of them. At most 2.
+    float maxScale = 1;
+    scale::SpatialOptions scaling;  ///< how a frame of another scale becomes one of `size`
     glm::vec3 toSun{0.5f, 0.8f, 0.35f};
     std::uint32_t shadowTaps = 9;        ///< N of the N×N PCF; 0 = no shadow
     std::uint32_t shadowMapSize = 2048;  ///< texels a side
@@ -62,11 +67,15 @@ public:
 
     /// The last picture: RGBA8, sRGB-encoded.
     const gpu::Image& display() const { return displayImage; }
-    const gpu::Image& radiance() const { return radianceImage; }
-    const gpu::Image& ids() const { return idImage; }
-    const visibility::Surface& surface() const { return surfaces; }
+    /// Grid O of the last picture: Levers::renderScale · size. What follows has this extent.
+    vk::Extent2D grid() const { return live; }
+    gpu::View radiance() const { return part(radianceImage, live); }
+    gpu::View ids() const { return part(idImage, live); }
+    gpu::View depth() const { return part(surfaces.depth, live); }
+    gpu::View normal() const { return part(surfaces.normal, live); }
+    gpu::View material() const { return part(surfaces.material, live); }
     /// RGBA16_SFLOAT: share of the sun seen, share of the sky seen.
-    const gpu::Image& terms() const { return termImage; }
+    gpu::View terms() const { return part(termImage, live); }
     /// Pixels of the last frame whose coarse terms were evaluated anew. Waits for the device.
     std::uint32_t repairedPixels() const;
     const geometry::DrawList& drawList() const { return eyeList; }
@@ -74,7 +83,11 @@ public:
     const FrameSettings& settings() const { return options; }
 
 private:
+    /// Begins a picture: its grid O, light maps and uniforms.
+    void begin(const scene::Camera&, float renderScale);
     void shade(const budget::Levers&);
+    /// From radiance on grid O to the display.
+    void show();
     void evaluateTerms(const budget::Levers&);
     void shadeOnGridS(float rate);
     /// Sets the exposure by the last frame's radiance.
@@ -110,6 +123,8 @@ private:
     const gpu::Device* device;
     const scene::GpuScene* scene;
     FrameSettings options;
+    vk::Extent2D room;  ///< of the targets
+    vk::Extent2D live;  ///< the part of them that is grid O of this frame
     shading::Sky sky;
     std::array<glm::vec3, 9> irradiance;  ///< of the sky
     glm::vec3 sunIlluminance{0};
@@ -124,13 +139,15 @@ private:
     upsample::RepairSelect repairSelect;
     shading::Combine combine;
     post::Tonemap tonemap;
+    scale::Spatial spatial;
 
     geometry::DrawList eyeList;
     LightMaps lightMaps;
     upsample::RepairList repairList;
     bool listHolds = false;  ///< whether the last frame filled the list
     gpu::Buffer viewBuffer, lightBuffer;
-    gpu::Image idImage, depthBuffer, skyImage, coarseImage, termImage, radianceImage, displayImage;
+    gpu::Image idImage, depthBuffer, skyImage, coarseImage, termImage, radianceImage, shownImage,
+        displayImage;
     visibility::Surface surfaces;
 
     std::optional<Rebuilding> rebuilding;

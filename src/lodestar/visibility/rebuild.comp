@@ -37,8 +37,7 @@ TexturePoint interpolate(vec2 a, vec2 b, vec2 c, vec3 at, vec3 dx, vec3 dy) {
 
 void main() {
     const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-    const ivec2 size = textureSize(ids, 0);
-    if (any(greaterThanEqual(pixel, size))) return;
+    if (any(greaterThanEqual(pixel, ivec2(params.size)))) return;
     const uint id = texelFetch(ids, pixel, 0).x;
     if (id == 0) {
         imageStore(outDepth, pixel, vec4(0));

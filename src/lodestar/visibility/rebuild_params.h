@@ -6,6 +6,7 @@ LS_NAMESPACE_BEGIN
 
 struct RebuildParams {
     vec2 pixelNdc;  // size of a pixel of grid O in NDC
+    uvec2 size;     // of the part of `ids` in use
 };
 
 LS_NAMESPACE_END
