@@ -11,7 +11,7 @@ namespace {
 
 class DynamicResolution : public GpuTest {
 protected:
-    DynamicResolution() : source(*scene::makeProcedural("columns")) {}
+    DynamicResolution() : source(*scene::buildBuiltin("columns")) {}
     void SetUp() override {
         GpuTest::SetUp();
         if (testing::Test::IsSkipped()) return;

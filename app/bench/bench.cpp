@@ -102,9 +102,10 @@ std::string csvCell(const Json& value) {
 }  // namespace
 
 const std::vector<Bench>& benches() {
-    static const std::vector<Bench> all{shadingRateBench(),      framebufferLodBench(),
-                                        budgetHoldBench(),       visibilityQualityBench(),
-                                        visibilityMemoryBench(), visibilityTimeBench()};
+    static const std::vector<Bench> all{shadingRateBench(),       framebufferLodBench(),
+                                        budgetHoldBench(),        scalingFiltersBench(),
+                                        visibilityQualityBench(), visibilityMemoryBench(),
+                                        visibilityTimeBench()};
     return all;
 }
 

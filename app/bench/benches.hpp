@@ -10,6 +10,8 @@ namespace lodestar::app {
 Bench shadingRateBench();
 /// The scenes of Yang et al. 2008, Figures 2 to 4.
 Bench framebufferLodBench();
+/// Cost and quality of the scaling filters at S = 0.5 … 2, and of the frame at those scales.
+Bench scalingFiltersBench();
 /// How well a budget is held along a camera path.
 Bench budgetHoldBench();
 /// Tables 1 and 2 of the thesis: attributes and shading rebuilt from visibility, against REF.

@@ -45,6 +45,7 @@ struct PassCost {
 struct FrameCosts {
     double gpuMs = 0;              ///< first to last timestamp of the frame
     std::vector<PassCost> passes;  ///< in frame order
+    double intervalMs = 0;         ///< from this frame's start to the next one's; 0 = unknown
 };
 
 }  // namespace lodestar::budget

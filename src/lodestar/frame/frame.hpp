@@ -69,6 +69,9 @@ public:
     const gpu::Image& display() const { return displayImage; }
     /// Grid O of the last picture: Levers::renderScale · size. What follows has this extent.
     vk::Extent2D grid() const { return live; }
+    /// The picture before it was scaled, RGBA8, its live part of the extent grid(); written only
+    /// where that is not the size of the display.
+    const gpu::Image& shown() const { return shownImage; }
     gpu::View radiance() const { return part(radianceImage, live); }
     gpu::View ids() const { return part(idImage, live); }
     gpu::View depth() const { return part(surfaces.depth, live); }
