@@ -135,9 +135,12 @@ std::string nameOf(frame::CaptureBackend backend) {
 std::uint64_t clusterHashOf(const Session& session) {
     const auto& scene = *session.gpuScene;
     std::uint64_t hash = 0;
-    for (const gpu::TexelBuffer* buffer : {&scene.clusters, &scene.triangles})
-        hash = visibility::hashOf(
-            gpu::readBuffer(*session.device, buffer->buffer(), buffer->buffer().bytes()), hash);
+    // Of the table, what no view changes.
+    const std::pair<const gpu::TexelBuffer*, std::uint64_t> parts[]{
+        {&scene.clusters, sizeof(shared::GpuCluster) * std::uint64_t{scene.clusterCapacity()}},
+        {&scene.triangles, scene.triangles.buffer().bytes()}};
+    for (const auto& [buffer, bytes] : parts)
+        hash = visibility::hashOf(gpu::readBuffer(*session.device, buffer->buffer(), bytes), hash);
     return hash;
 }
 
@@ -145,7 +148,7 @@ Result<void> checkIds(const Session& session, const visibility::Record& record) 
     const auto clusters = recordsOf<shared::GpuCluster>(session, session.gpuScene->clusters);
     const auto known = [&](std::uint32_t id) {
         const std::uint32_t cluster = id >> shared::LS_TRIANGLE_BITS;
-        return id == 0 || (cluster > 0 && cluster < session.gpuScene->clusterCount() &&
+        return id == 0 || (cluster > 0 && cluster < session.gpuScene->clusterCapacity() &&
                            (id & shared::LS_TRIANGLE_MASK) < clusters[cluster].triangleCount);
     };
     const bool good = std::all_of(record.heads.begin(), record.heads.end(),

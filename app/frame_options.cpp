@@ -9,6 +9,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include "app/cli.hpp"
+#include "app/geometry_options.hpp"
 
 namespace lodestar::app {
 namespace {
@@ -276,6 +277,8 @@ void addFrameOptions(CLI::App& app, frame::FrameSettings& settings) {
 Json settingsJson(const frame::FrameSettings& s) {
     return {{"width", s.size.width},
             {"height", s.size.height},
+            {"cull", nameOf(s.cull)},
+            {"lod", nameOf(s.lod)},
             {"reconstruct", nameOf(s.reconstruct)},
             {"max_scale", s.maxScale},
             {"scale_filter", std::string(scale::kFilterNames[std::size_t(s.scaling.filter)])},

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/inspect.hpp"
 
+#include <algorithm>
 #include <filesystem>
 #include <iostream>
 #include <memory>
@@ -9,7 +10,7 @@
 #include <glm/gtc/constants.hpp>
 
 #include <lodestar/scene/import.hpp>
-#include <lodestar/scene/meshlets.hpp>
+#include <lodestar/scene/mesh_lods.hpp>
 #include <lodestar/scene/procedural.hpp>
 
 #include "app/cli.hpp"
@@ -154,10 +155,12 @@ Json vectorJson(glm::vec3 v) {
 }
 
 Json countsJson(const scene::Scene& scene, const Inspection& found) {
+    Json perLod = Json::array();
+    for (const Inspection::Level& level : found.levels) perLod.push_back(level.stored);
     return {{"meshes", scene.meshes.size()},
             {"triangles_stored", found.triangles.stored},
             {"triangles_drawn", found.triangles.drawn},
-            {"triangles_per_lod", Json::array({found.triangles.stored})},
+            {"triangles_per_lod", perLod},
             {"vertices", found.vertices},
             {"meshlets_stored", found.meshletsStored},
             {"meshlets_drawn", found.meshletsDrawn},
@@ -204,6 +207,72 @@ Json detailsJson(const scene::Scene& scene, const Inspection& found) {
             {"lights", lights}, {"animations", animations}, {"notes", scene.notes}};
 }
 
+/// Triangles and errors level by level.
+std::vector<Inspection::Level> levelsOf(const scene::Scene& scene,
+                                        const std::vector<scene::MeshLods>& chains) {
+    std::vector<std::uint64_t> uses(chains.size());
+    for (const scene::Instance& instance : scene.instances) ++uses[instance.mesh];
+    std::vector<Inspection::Level> levels;
+    for (std::size_t level = 0;; ++level) {
+        Inspection::Level sum;
+        std::vector<float> errors;
+        for (std::size_t i = 0; i < chains.size(); ++i) {
+            const auto& own = chains[i].levels;
+            const scene::MeshLod& lod = own[std::min(level, own.size() - 1)];
+            sum.stored += lod.meshlets.triangles.size();
+            sum.drawn += uses[i] * lod.meshlets.triangles.size();
+            if (level >= own.size()) continue;
+            ++sum.meshes;
+            ++sum.methods[static_cast<std::size_t>(lod.method)];
+            const float radius = scene.meshes[i].bounds.radius();
+            errors.push_back(radius > 0 ? lod.error / radius : 0);
+        }
+        if (sum.meshes == 0) return levels;
+        std::nth_element(errors.begin(), errors.begin() + std::ptrdiff_t(errors.size() / 2),
+                         errors.end());
+        sum.error = errors[errors.size() / 2];
+        levels.push_back(sum);
+    }
+}
+
+void printLevels(const Inspection& found) {
+    if (found.levels.size() < 2) return;
+    constexpr auto kRight = Table::Align::right;
+    Table table({{"level", kRight},
+                 {"meshes", kRight},
+                 {"triangles", kRight},
+                 {"drawn", kRight},
+                 {"error / radius", kRight},
+                 {"made by"}});
+    for (std::size_t i = 0; i < found.levels.size(); ++i) {
+        const Inspection::Level& level = found.levels[i];
+        std::string methods;
+        for (std::size_t m = 0; m < level.methods.size(); ++m)
+            if (level.methods[m] > 0)
+                methods +=
+                    fmt::format("{}{} {}", methods.empty() ? "" : ", ",
+                                formatCount(level.methods[m]), scene::nameOf(scene::LodMethod(m)));
+        table.row({std::to_string(i), formatCount(level.meshes), formatCount(level.stored),
+                   formatCount(level.drawn), fmt::format("{:.2g}", level.error), methods});
+    }
+    std::cout << "\nlevels of detail\n" << table.text();
+}
+
+Json levelsJson(const Inspection& found) {
+    Json levels = Json::array();
+    for (const Inspection::Level& level : found.levels) {
+        Json methods;
+        for (std::size_t m = 0; m < level.methods.size(); ++m)
+            methods[scene::nameOf(scene::LodMethod(m))] = level.methods[m];
+        levels.push_back({{"meshes", level.meshes},
+                          {"triangles_stored", level.stored},
+                          {"triangles_drawn", level.drawn},
+                          {"error_per_radius", level.error},
+                          {"methods", methods}});
+    }
+    return levels;
+}
+
 Result<void> listBuiltins(const Options& options) {
     Table table({{"", Table::Align::left}, {"", Table::Align::left}});
     Json list = Json::array();
@@ -228,6 +297,7 @@ Result<void> inspect(const Options& options) {
 
     printCounts(*loaded, found);
     printBounds(found.bounds);
+    printLevels(found);
     printLists(*loaded);
     printMemory(found);
     if (!loaded->notes.empty()) std::cout << "\nnotes\n";
@@ -240,6 +310,7 @@ Result<void> inspect(const Options& options) {
     report.counts = countsJson(*loaded, found);
     report.memory = found.memory;
     report.more = detailsJson(*loaded, found);
+    report.more["levels_of_detail"] = levelsJson(found);
     return writeJson(options.json, toJson(report));
 }
 
@@ -263,17 +334,20 @@ Inspection inspectScene(const scene::Scene& scene, double seconds) {
     std::vector<std::uint64_t> meshletsOf;
     std::uint64_t indexBytes = 0, meshletBytes = 0;
     {
-        Progress progress("cutting meshlets", scene.meshes.size());
-        for (const scene::Mesh& mesh : scene.meshes) {
-            const scene::MeshletSet set = scene::buildMeshlets(mesh);
-            meshletsOf.push_back(set.meshlets.size());
-            found.vertices += mesh.vertices.size();
-            found.meshletsStored += set.meshlets.size();
-            indexBytes += mesh.indices.size() * sizeof(std::uint32_t);
-            meshletBytes += set.meshlets.size() * sizeof(scene::Meshlet) +
-                            (set.vertices.size() + set.triangles.size()) * sizeof(std::uint32_t);
-            progress.update(meshletsOf.size());
+        Progress progress("levels of detail", scene.meshes.size());
+        const auto chains = scene::buildSceneLods(
+            scene, {.cache = scene::userCacheFolder()},
+            [&](int done, int) { progress.update(static_cast<std::size_t>(done)); });
+        for (std::size_t i = 0; i < chains.size(); ++i) {
+            meshletsOf.push_back(chains[i].levels[0].meshlets.meshlets.size());
+            found.vertices += scene.meshes[i].vertices.size();
+            found.meshletsStored += meshletsOf.back();
+            for (const scene::MeshLod& lod : chains[i].levels) {
+                indexBytes += lod.meshlets.triangles.size() * 16;
+                meshletBytes += lod.meshlets.meshlets.size() * sizeof(scene::Meshlet);
+            }
         }
+        found.levels = levelsOf(scene, chains);
     }
     for (const scene::Instance& instance : scene.instances)
         found.meshletsDrawn += meshletsOf[instance.mesh];

@@ -7,6 +7,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include <array>
+
 #include <lodestar/scene/scene.hpp>
 #include <lodestar/scene/texture_arrays.hpp>
 
@@ -17,7 +19,14 @@ namespace lodestar::app {
 /// What there is in a scene and what it needs on the device.
 struct Inspection {
     scene::TriangleCounts triangles;
-    std::uint64_t vertices = 0, meshletsStored = 0, meshletsDrawn = 0;
+    std::uint64_t vertices = 0, meshletsStored = 0, meshletsDrawn = 0;  ///< of the finest level
+    struct Level {
+        std::uint64_t meshes = 0;             ///< that have this level
+        std::uint64_t stored = 0, drawn = 0;  ///< triangles; of meshes without it, their last
+        float error = 0;                      ///< median over the meshes, relative to their radius
+        std::array<std::uint64_t, 4> methods{};  ///< meshes by scene::LodMethod
+    };
+    std::vector<Level> levels;
     struct Materials {
         std::size_t opaque = 0, mask = 0, blend = 0, doubleSided = 0, unlit = 0, textured = 0;
     } materials;

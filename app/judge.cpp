@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cassert>
 #include <cmath>
-#include <set>
 
 #include <fmt/format.h>
 
@@ -48,29 +47,42 @@ Json countsOf(const Session& session, const frame::Frame& frame) {
     const gpu::Device& device = *session.device;
     const scene::GpuScene& scene = *session.gpuScene;
     const geometry::DrawList& list = frame.drawList();
-    const auto counts = gpu::as<shared::VisibleCounts>(
-        gpu::readBuffer(device, list.counts, sizeof(shared::VisibleCounts)))[0];
-    std::set<std::uint32_t> instances;
-    if (counts.clusters > 0) {
-        const auto visible =
-            gpu::as<std::uint32_t>(gpu::readBuffer(device, list.visible, 4ull * counts.clusters));
+    const auto counts = gpu::as<shared::CullCounts>(
+        gpu::readBuffer(device, list.counts, sizeof(shared::CullCounts)))[0];
+    const auto of = [&](std::uint32_t first, std::uint32_t second) {
+        return counts.lists[first].count + counts.lists[second].count;
+    };
+    const std::uint32_t visible = of(shared::LS_LIST_CLUSTERS, shared::LS_LIST_CLUSTERS_2);
+    const std::uint32_t triangles = of(shared::LS_LIST_TRIANGLES, shared::LS_LIST_TRIANGLES_2);
+    std::uint64_t dropped = 0;
+    for (const shared::CullList& one : counts.lists) dropped += one.dropped;
+
+    // Triangles by level: each id's cluster says its level.
+    std::vector<std::uint64_t> perLod(scene.lodCount());
+    std::uint64_t listed = 0;  // triangles of the visible meshlets, before each is tested
+    if (visible > 0) {
         const auto clusters = gpu::as<shared::GpuCluster>(
             gpu::readBuffer(device, scene.clusters.buffer(),
-                            sizeof(shared::GpuCluster) * std::size_t{scene.clusterCount()}));
-        for (const std::uint32_t cluster : visible) instances.insert(clusters[cluster].instance);
+                            sizeof(shared::GpuCluster) * (std::size_t{visible} + list.table)));
+        for (std::size_t c = list.table; c < list.table + visible; ++c)
+            listed += clusters[c].triangleCount;
+        for (const auto id :
+             gpu::as<std::uint32_t>(gpu::readBuffer(device, list.ids.buffer(), 4ull * triangles)))
+            ++perLod[clusters[id >> shared::LS_TRIANGLE_BITS].lod];
     }
-    const auto draws = gpu::as<vk::DrawIndirectCommand>(
-        gpu::readBuffer(device, list.draws, scene::kDrawBins * sizeof(vk::DrawIndirectCommand)));
-    std::uint64_t triangles = 0;
-    for (const auto& draw : draws) triangles += draw.vertexCount / 3;
     return {{"instances_total", scene.instanceCount()},
-            {"instances_visible", instances.size()},
-            {"clusters_total", scene.clusterCount() - 1},
-            {"clusters_visible", counts.clusters},
+            {"instances_visible", counts.instances + counts.instancesFound},
+            {"instances_hidden", counts.instancesHidden - counts.instancesFound},
+            {"chunks_total", scene.chunkCount()},
+            {"chunks_visible", counts.lists[shared::LS_LIST_INSTANCES].count / shared::LS_CHUNK},
+            {"clusters_total", scene.clusterCount()},
+            {"clusters_visible", visible},
             {"triangles_total", scene.triangleCount()},
+            {"triangles_listed", listed},
             {"triangles_visible", triangles},
             {"repaired_pixels", frame.repairedPixels()},
-            {"triangles_per_lod", Json::array({triangles})}};  // there is one level of detail
+            {"triangles_per_lod", perLod},
+            {"dropped", dropped}};  // over the capacity of the lists: missing in the picture
 }
 
 Result<void> validationVerdict(const gpu::Device& device) {

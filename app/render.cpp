@@ -13,6 +13,7 @@
 #include "app/budget_run.hpp"
 #include "app/console.hpp"
 #include "app/frame_options.hpp"
+#include "app/geometry_options.hpp"
 #include "app/image_io.hpp"
 #include "app/judge.hpp"
 
@@ -186,6 +187,7 @@ Result<void> run(Options options) {
     options.settings.size = vk::Extent2D{static_cast<std::uint32_t>(options.view.size.width),
                                          static_cast<std::uint32_t>(options.view.size.height)};
     options.settings.maxScale = std::max(1.0f, options.levers.renderScale);
+    options.settings.motion = std::count(options.aovs.begin(), options.aovs.end(), "motion") > 0;
     frame::Frame frame(*session->device, *session->gpuScene, options.settings);
     fmt::print("{} at {}x{} on {}\n", printable(options.scene), options.view.size.width,
                options.view.size.height, session->device->description().name);
@@ -317,10 +319,11 @@ void addRender(CLI::App& app, int& exitCode) {
                    "also render at full quality and report PSNR, SSIM and FLIP against it")
         ->group("Run");
     addLeverOptions(*command, o->levers);
+    addGeometryOptions(*command, o->settings);
     addFrameOptions(*command, o->settings);
     addParsed(*command, "--aov", o->aovs, parseAovs,
               "also write these as EXR beside --out: depth, normal, albedo, roughness, metallic, "
-              "occlusion, id, shadow, ao")
+              "occlusion, id, shadow, ao, motion")
         ->type_name("NAME[,NAME]");
     addJsonOption(*command, o->json);
     addDeviceOption(*command, o->device.device);

@@ -68,10 +68,12 @@ Result<Session> openSession(const std::string& sceneName, const gpu::DeviceReque
     {
         std::optional<Progress> bar;
         session.gpuScene = std::make_unique<scene::GpuScene>(
-            *session.device, *session.scene, [&](const char* what, int done, int of) {
+            *session.device, *session.scene,
+            [&](const char* what, int done, int of) {
                 if (done == 0) bar.emplace(what, static_cast<std::size_t>(of));
                 bar->update(static_cast<std::size_t>(done));
-            });
+            },
+            scene::LodSettings{.cache = scene::userCacheFolder()});
     }
     return session;
 }

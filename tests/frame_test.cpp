@@ -141,11 +141,12 @@ TEST_F(FrameTest, everyPassIsTimed) {
         EXPECT_LE(sum, times.gpuMs * 1.001);
         return names;
     };
-    EXPECT_EQ(namesAt(2),
-              "cull, shadow map, cull, sky map, cull, capture, rebuild, terms, upsample, combine, "
-              "tonemap, ");
+    EXPECT_EQ(
+        namesAt(2),
+        "cull, cull triangles, shadow map, cull, cull triangles, sky map, cull, cull triangles, "
+        "capture, rebuild, terms, upsample, combine, tonemap, ");
     // The depth maps of an unmoved scene are kept.
-    EXPECT_EQ(namesAt(1), "cull, capture, rebuild, terms, combine, tonemap, ");
+    EXPECT_EQ(namesAt(1), "cull, cull triangles, capture, rebuild, terms, combine, tonemap, ");
 }
 
 TEST_F(FrameTest, oddSizesWork) {

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <map>
 #include <set>
 
 #include <lodestar/geometry/cull_params.h>
@@ -7,6 +8,7 @@
 #include <lodestar/gpu/readback.hpp>
 #include <lodestar/scene/camera.hpp>
 #include <lodestar/scene/procedural.hpp>
+#include <lodestar/visibility/capture_ss.hpp>
 #include <lodestar/visibility/rebuild_reference.hpp>
 
 #include "gpu_device.hpp"
@@ -26,8 +28,25 @@ struct Drawn {
     std::uint32_t clusters = 0;  // that were looked into
     std::vector<std::uint32_t> ids;
     std::vector<vk::DrawIndirectCommand> draws;
+    std::vector<GpuCluster> table;  // what the ids name, with the unused one at 0
 
-    bool operator==(const Drawn&) const = default;
+    bool operator==(const Drawn& other) const {
+        return clusters == other.clusters && ids == other.ids && draws == other.draws;
+    }
+    const GpuCluster& clusterOf(std::uint32_t id) const {
+        return table.at(id >> shared::LS_TRIANGLE_BITS);
+    }
+    /// Instance, meshlet and triangle: what an id stands for, whichever view was culled.
+    using Key = std::array<std::uint32_t, 3>;
+    Key key(std::uint32_t id) const {
+        const GpuCluster& c = clusterOf(id);
+        return {c.instance, c.meshlet, id & shared::LS_TRIANGLE_MASK};
+    }
+    std::set<Key> keys() const {
+        std::set<Key> all;
+        for (const std::uint32_t id : ids) all.insert(key(id));
+        return all;
+    }
 };
 
 /// A scene on the device and, of its records, what the CPU's checks need.
@@ -37,18 +56,17 @@ struct Fixture {
     Cull cull;
     DrawList list;
     gpu::Recorder rec;
-    std::vector<GpuCluster> clusters;
     std::vector<GpuTriangle> triangles;
     std::vector<shared::GpuVertex> vertices;
     std::vector<glm::dmat4> worldFromObject;
 
-    Fixture(const gpu::Device& device, scene::Scene scene)
+    /// Without levels of detail: only the meshes themselves are listed.
+    Fixture(const gpu::Device& device, scene::Scene scene, bool simplify = false)
         : source(std::move(scene)),
-          onGpu(device, source),
+          onGpu(device, source, {}, {.simplify = simplify}),
           cull(device),
           list(device, onGpu, "list"),
           rec(device),
-          clusters(records<GpuCluster>(onGpu.clusters)),
           triangles(records<GpuTriangle>(onGpu.triangles)),
           vertices(records<shared::GpuVertex>(onGpu.vertices)) {
         const auto worldFromNodes = worldFromNode(source);
@@ -67,40 +85,63 @@ struct Fixture {
     /// What the buffers held before must not matter.
     Drawn run(const CullView& view, std::uint32_t before = 0xdeadbeef) {
         rec.begin();
-        for (const gpu::Buffer* b : {&list.clusterOffsets, &list.visible, &list.counts, &list.masks,
-                                     &list.triangleOffsets, &list.ids.buffer(), &list.draws})
+        for (const gpu::Buffer* b :
+             {&list.ids.buffer(), &list.draws, &list.counts, &list.chunkOffsets, &list.chunks,
+              &list.firstOffsets.buffer(), &list.states, &list.candidates, &list.candidateOffsets,
+              &list.hidden, &list.masks, &list.triangleOffsets})
             rec.fill(*b, before);
         rec.barrier(Stage::transfer, Stage::compute);
+        rec.barrier(Stage::transfer, Stage::transfer);
         cull.record(rec, onGpu, view, list);
         rec.submit();
+        return read();
+    }
+
+    shared::CullCounts counts() {
+        return gpu::as<shared::CullCounts>(
+                   gpu::readBuffer(rec.device(), list.counts, sizeof(shared::CullCounts)))
+            .front();
+    }
+
+    Drawn read() {
         Drawn drawn;
-        drawn.clusters =
-            gpu::as<shared::VisibleCounts>(
-                gpu::readBuffer(rec.device(), list.counts, sizeof(shared::VisibleCounts)))
-                .front()
-                .clusters;
+        const shared::CullCounts found = counts();
+        drawn.clusters = found.lists[shared::LS_LIST_CLUSTERS].count +
+                         found.lists[shared::LS_LIST_CLUSTERS_2].count;
         drawn.draws = gpu::as<vk::DrawIndirectCommand>(
             gpu::readBuffer(rec.device(), list.draws, list.draws.bytes()));
         std::size_t indexCount = 0;
         for (const auto& draw : drawn.draws) indexCount += draw.vertexCount;
         EXPECT_LE(indexCount, 3u * onGpu.triangleCount());
         EXPECT_EQ(indexCount % 3, 0u);
-        if (indexCount > 0 && indexCount <= 3u * onGpu.triangleCount()) {
+        if (indexCount > 0 && indexCount <= 3u * onGpu.triangleCount())
             drawn.ids = words(list.ids.buffer(), indexCount / 3);
-        }
+        // The unused one, then those of the view.
+        const auto all = gpu::as<GpuCluster>(
+            gpu::readBuffer(rec.device(), onGpu.clusters.buffer(),
+                            sizeof(GpuCluster) * (list.table + drawn.clusters)));
+        drawn.table.assign(all.begin() + (list.table - 1), all.end());
+        for (std::uint32_t& id : drawn.ids)
+            id -= (list.table - 1) << shared::LS_TRIANGLE_BITS;  // as if the part began at 1
         return drawn;
     }
 
-    glm::dvec3 corner(std::uint32_t cluster, std::uint32_t vertex) const {
-        return worldFromObject[clusters[cluster].instance] *
-               glm::dvec4(vertices[vertex].position, 1);
+    glm::dvec3 corner(const GpuCluster& cluster, std::uint32_t vertex) const {
+        return worldFromObject[cluster.instance] * glm::dvec4(vertices[vertex].position, 1);
     }
-    std::array<glm::dvec3, 3> world(std::uint32_t cluster, std::uint32_t triangle) const {
-        const GpuTriangle& t = triangles[clusters[cluster].triangles + triangle];
+    std::array<glm::dvec3, 3> world(const GpuCluster& cluster, std::uint32_t triangle) const {
+        const GpuTriangle& t = triangles[cluster.triangles + triangle];
         return {corner(cluster, t.a), corner(cluster, t.b), corner(cluster, t.c)};
     }
-    bool doubleSided(std::uint32_t cluster) const {
-        return source.materials[clusters[cluster].material].doubleSided;
+    bool doubleSided(const GpuCluster& cluster) const {
+        return source.materials[cluster.material].doubleSided;
+    }
+    /// Every cluster of the scene, as no culling lists them.
+    std::vector<GpuCluster> everyCluster() {
+        CullView view{.size = {64, 64}, .cull = CullMode::none};
+        std::vector<GpuCluster> all = run(view).table;
+        all.erase(all.begin());
+        return all;
     }
 };
 
@@ -146,10 +187,10 @@ class CullTest : public GpuTest {};
 TEST_F(CullTest, drawsEveryTriangleOnceInClusterOrderWhereAllIsVisible) {
     Fixture f(device(), twoSidedJumble());
     const Drawn drawn = f.run(wholeScene(f.onGpu.bounds()));
-    EXPECT_EQ(drawn.clusters, f.onGpu.clusterCount() - 1);
+    EXPECT_EQ(drawn.clusters, f.onGpu.clusterCount());
     std::vector<std::uint32_t> expected;
-    for (std::uint32_t c = 1; c < f.onGpu.clusterCount(); ++c)
-        for (std::uint32_t t = 0; t < f.clusters[c].triangleCount; ++t)
+    for (std::uint32_t c = 1; c <= f.onGpu.clusterCount(); ++c)
+        for (std::uint32_t t = 0; t < drawn.table[c].triangleCount; ++t)
             expected.push_back(c << shared::LS_TRIANGLE_BITS | t);
     EXPECT_EQ(expected.size(), countTriangles(f.source).drawn);
     // In order, each once; all but the few that this view happens to see edge-on.
@@ -171,8 +212,7 @@ TEST_F(CullTest, drawsOneRangeForEachBin) {
         EXPECT_EQ(draw.firstInstance, 0u);
         EXPECT_GT(draw.vertexCount, 0u);
         for (std::uint32_t i = next / 3; i < (next + draw.vertexCount) / 3; ++i) {
-            const std::uint32_t material =
-                f.clusters[drawn.ids[i] >> shared::LS_TRIANGLE_BITS].material;
+            const std::uint32_t material = drawn.clusterOf(drawn.ids[i]).material;
             const bool masked = f.source.materials[material].alphaMode != scene::AlphaMode::opaque;
             ASSERT_EQ(bin, 2u * masked + f.source.materials[material].doubleSided);
         }
@@ -244,6 +284,7 @@ Coverage coverageOf(const std::array<glm::dvec3, 3>& world, const glm::dmat4& cl
 
 TEST_F(CullTest, neverDropsATriangleThatCoversAPixel) {
     Fixture f(device(), small_scenes::jumble());
+    const std::vector<GpuCluster> all = f.everyCluster();
     small_scenes::Random random(3);
     std::size_t drawn = 0, clusters = 0, covering = 0;
     for (int view = 0; view < 50; ++view) {
@@ -253,18 +294,19 @@ TEST_F(CullTest, neverDropsATriangleThatCoversAPixel) {
         drawn += list.ids.size();
         clusters += list.clusters;
         const glm::dmat4 clipFromWorld(viewOf(camera).clipFromWorld);
-        for (std::uint32_t c = 1; c < f.onGpu.clusterCount(); ++c) {
+        const auto keys = list.keys();
+        for (const GpuCluster& cluster : all) {
             const bool reflected =
-                glm::determinant(glm::dmat3(f.worldFromObject[f.clusters[c].instance])) < 0;
-            for (std::uint32_t t = 0; t < f.clusters[c].triangleCount; ++t) {
-                auto corners = f.world(c, t);
+                glm::determinant(glm::dmat3(f.worldFromObject[cluster.instance])) < 0;
+            for (std::uint32_t t = 0; t < cluster.triangleCount; ++t) {
+                auto corners = f.world(cluster, t);
                 if (reflected) std::swap(corners[1], corners[2]);
                 const Coverage coverage = coverageOf(corners, clipFromWorld, camera.eye);
-                if (!(f.doubleSided(c) ? coverage.any : coverage.front)) continue;
+                if (!(f.doubleSided(cluster) ? coverage.any : coverage.front)) continue;
                 ++covering;
-                ASSERT_TRUE(std::binary_search(list.ids.begin(), list.ids.end(),
-                                               c << shared::LS_TRIANGLE_BITS | t))
-                    << "view " << view << " cluster " << c << " triangle " << t;
+                ASSERT_TRUE(keys.contains({cluster.instance, cluster.meshlet, t}))
+                    << "view " << view << " instance " << cluster.instance << " meshlet "
+                    << cluster.meshlet << " triangle " << t;
             }
         }
     }
@@ -281,11 +323,11 @@ TEST_F(CullTest, normalConesDropClustersOfTheFarSideOfASphere) {
     const Drawn withCones = f.run(view);
     view.perspective = false;
     const Drawn withoutCones = f.run(view);
-    EXPECT_EQ(withoutCones.clusters, f.onGpu.clusterCount() - 1);
+    EXPECT_EQ(withoutCones.clusters, f.onGpu.clusterCount());
     EXPECT_LT(withCones.clusters, withoutCones.clusters * 3 / 4);
     // The triangles that remain are the same: those of the near side.
-    EXPECT_TRUE(std::includes(withoutCones.ids.begin(), withoutCones.ids.end(),
-                              withCones.ids.begin(), withCones.ids.end()));
+    const auto with = withCones.keys(), without = withoutCones.keys();
+    EXPECT_TRUE(std::includes(without.begin(), without.end(), with.begin(), with.end()));
     EXPECT_GT(withCones.ids.size(), withoutCones.ids.size() * 98 / 100);
     EXPECT_NEAR(double(withCones.ids.size()) / f.onGpu.triangleCount(), 0.5, 0.05);
 }
@@ -296,6 +338,131 @@ TEST_F(CullTest, sameViewGivesTheSameBytes) {
     const Drawn first = f.run(viewOf(camera), 0);
     EXPECT_GT(first.ids.size(), 500u);
     EXPECT_EQ(f.run(viewOf(camera), 0xffffffff), first);
+}
+
+TEST_F(CullTest, withoutCullingEveryTriangleIsListedWhereverTheCameraLooks) {
+    Fixture f(device(), small_scenes::jumble());
+    CullView view = viewOf({.eye = {0, 0, 12}, .at = {0, 0, 20}});
+    view.cull = CullMode::none;
+    const Drawn drawn = f.run(view);
+    EXPECT_EQ(drawn.ids.size(), f.onGpu.triangleCount());
+    EXPECT_EQ(drawn.keys().size(), f.onGpu.triangleCount());
+    EXPECT_EQ(f.counts().instances, f.source.instances.size());
+}
+
+/// A row of balls that goes away from the camera of ballsView().
+Scene balls(int count) {
+    Scene scene = small_scenes::single(
+        small_scenes::parts::patch(small_scenes::parts::sphere(0.5), 48, 24, {1, 1}));
+    scene.instances.clear();
+    for (int i = 0; i < count; ++i)
+        small_scenes::place(
+            scene, 0, glm::translate(glm::mat4(1), {0.6f * float(i % 3), 0, -4.0f * float(i)}));
+    return scene;
+}
+
+TEST_F(CullTest, anInstanceIsDrawnAtTheCoarsestLevelWhoseErrorTheViewAllows) {
+    Fixture f(device(), balls(200), true);
+    ASSERT_GE(f.onGpu.lodCount(), 4u);
+    const auto lods = f.records<shared::GpuLod>(f.onGpu.lods);
+    for (const float allowed : {0.25f, 1.0f, 4.0f}) {
+        CullView view = viewOf({.eye = {0, 2, 6}, .at = {0, 0, -10}});
+        view.size = vk::Extent2D{1920, 1280};
+        view.lod = {.mode = LodChoice::Mode::error, .errorPx = allowed, .distances = {}};
+        const Drawn drawn = f.run(view);
+        std::map<std::uint32_t, std::uint32_t> levels;
+        for (std::size_t c = 1; c < drawn.table.size(); ++c) {
+            const auto [known, fresh] =
+                levels.try_emplace(drawn.table[c].instance, drawn.table[c].lod);
+            EXPECT_EQ(known->second, drawn.table[c].lod) << "an instance at two levels";
+        }
+        EXPECT_GT(levels.size(), 100u);
+        const double perUnit = double(view.clipFromWorld[1][1]) * 640;
+        for (const auto& [instance, lod] : levels) {
+            const double apart =
+                glm::distance(glm::dvec3(f.worldFromObject[instance][3]), glm::dvec3(view.eye));
+            const auto px = [&](std::uint32_t level) {
+                return lods[level].error * std::abs(perUnit) / (apart - 0.5);
+            };
+            // The scale of an instance is taken a hundredth too large, to be on the safe side.
+            EXPECT_LE(px(lod), allowed * 1.001) << "instance " << instance;
+            if (lod + 1 < f.onGpu.lodCount()) {
+                EXPECT_GT(px(lod + 1), allowed * 0.97) << "instance " << instance;
+            }
+        }
+    }
+}
+
+TEST_F(CullTest, distancesGiveTheLevelsTheyName) {
+    Fixture f(device(), balls(60), true);
+    CullView view = viewOf({.eye = {0, 2, 6}, .at = {0, 0, -10}});
+    view.lod = {.mode = LodChoice::Mode::distance, .errorPx = 1, .distances = {20, 50}};
+    const Drawn drawn = f.run(view);
+    std::set<std::uint32_t> seen;
+    for (std::size_t c = 1; c < drawn.table.size(); ++c) {
+        const double apart = glm::distance(
+            glm::dvec3(f.worldFromObject[drawn.table[c].instance][3]), glm::dvec3(view.eye));
+        EXPECT_EQ(drawn.table[c].lod, apart < 20 ? 0u : apart < 50 ? 1u : 2u) << apart;
+        seen.insert(drawn.table[c].lod);
+    }
+    EXPECT_EQ(seen.size(), 3u);
+}
+
+TEST_F(CullTest, choicesThatMeanNothingAreRefused) {
+    Fixture f(device(), balls(1));
+    CullView view = viewOf({});
+    view.lod = {.mode = LodChoice::Mode::error, .errorPx = 0, .distances = {}};
+    EXPECT_THROW(f.run(view), std::invalid_argument);
+    view.lod = {
+        .mode = LodChoice::Mode::distance, .errorPx = 1, .distances = std::vector<float>(9, 1.0f)};
+    EXPECT_THROW(f.run(view), std::invalid_argument);
+    view.lod = {};
+    view.cull = CullMode::hiz;
+    EXPECT_THROW(f.run(view), std::invalid_argument);
+}
+
+TEST_F(CullTest, aHiZTexelIsTheFarthestOfAllPixelsBelowItAndOfNoOthers) {
+    for (const vk::Extent2D size : {vk::Extent2D{1, 1}, {17, 33}, {64, 64}, {61, 7}}) {
+        // A depth buffer with a slope in it, drawn.
+        Fixture f(device(), twoSidedJumble());
+        using Usage = vk::ImageUsageFlagBits;
+        const gpu::Image depth(device(), {.name = "depth",
+                                          .format = vk::Format::eD32Sfloat,
+                                          .extent = size,
+                                          .usage = Usage::eSampled | Usage::eTransferSrc |
+                                                   Usage::eDepthStencilAttachment});
+        const visibility::CaptureSs capture(device(), f.onGpu.features(),
+                                            visibility::CaptureSs::Writes::depthOnly);
+        CullView view = wholeScene(f.onGpu.bounds());
+        view.size = size;
+        HiZ hiz(device(), size, "hi-z");
+        f.rec.begin();
+        f.cull.record(f.rec, f.onGpu, view, f.list);
+        f.rec.barrier(Stage::compute, Stage::raster);
+        f.rec.barrier(Stage::compute, Stage::indirect);
+        capture.record(f.rec, f.onGpu, f.list, view.clipFromWorld, {{}, depth}, "depth");
+        f.rec.barrier(Stage::raster, Stage::compute);
+        hiz.record(f.rec, depth, view.clipFromWorld);
+        f.rec.submit();
+        const auto pixels = gpu::as<float>(gpu::readImage(device(), depth));
+        const auto texels = f.records<float>(hiz.pyramid());
+        std::uint32_t texel = 4;
+        for (const HiZ::Level& level : hiz.levels()) {
+            for (std::uint32_t y = 0; y < level.height; ++y)
+                for (std::uint32_t x = 0; x < level.width; ++x) {
+                    float least = 2;
+                    for (std::uint32_t v = y * texel; v < std::min((y + 1) * texel, size.height);
+                         ++v)
+                        for (std::uint32_t u = x * texel; u < std::min((x + 1) * texel, size.width);
+                             ++u)
+                            least = std::min(least, pixels[v * size.width + u]);
+                    ASSERT_EQ(texels[level.offset + y * level.width + x], least)
+                        << size.width << "x" << size.height << " texel " << texel;
+                }
+            texel *= 2;
+        }
+        EXPECT_EQ(hiz.levels().back().width * hiz.levels().back().height, 1u);
+    }
 }
 
 TEST_F(CullTest, aSceneWithoutMeshesDrawsNothing) {

@@ -3,6 +3,7 @@
 #ifndef LS_PARAMS_TEST_H
 #define LS_PARAMS_TEST_H
 #include "lodestar/geometry/cull_params.h"
+#include "lodestar/geometry/show_lods_params.h"
 #include "lodestar/gpu/prefix_sum_params.h"
 #include "lodestar/post/tonemap_params.h"
 #include "lodestar/scale/spatial_params.h"
@@ -17,6 +18,7 @@
 #include "lodestar/visibility/compact_params.h"
 #include "lodestar/visibility/expand_params.h"
 #include "lodestar/visibility/fragments_params.h"
+#include "lodestar/visibility/motion_params.h"
 #include "lodestar/visibility/rebuild_params.h"
 #include "lodestar/visibility/sample_grid_params.h"
 #include "lodestar/visibility/view_params.h"
@@ -33,10 +35,15 @@ struct AllParams {
     GpuTextureTransform textureTransform;
     GpuLight punctual;
     PrefixSumParams prefixSum;
-    CullClustersParams cullClusters;
-    CompactParams compact;
-    CullTrianglesParams cullTriangles;
-    VisibleCounts visible;
+    GpuMesh mesh;
+    GpuLod lod;
+    GpuChunk chunk;
+    CullParams cull;
+    CullList cullList;
+    CullCounts cullCounts;
+    ScanParams scan;
+    PhaseParams phase;
+    HizParams hiz;
     CaptureParams capture;
     ViewParams view;
     CoarseParams coarse;
@@ -58,6 +65,8 @@ struct AllParams {
     SampleGridParams sampleGrid;
     SpatialParams spatial;
     CombineParams combine;
+    MotionParams motion;
+    ShowLodsParams showLods;
 };
 
 LS_NAMESPACE_END
@@ -77,18 +86,23 @@ LS_NAMESPACE_END
 #define LS_VISIT_VIEWS_4(VISIT, a, i) \
     LS_VISIT_VIEW(VISIT, a[i]) LS_VISIT_VIEW(VISIT, a[i + 1]) \
     LS_VISIT_VIEW(VISIT, a[i + 2]) LS_VISIT_VIEW(VISIT, a[i + 3])
+#define LS_VISIT_4(VISIT, a, i) VISIT(a[i]) VISIT(a[i + 1]) VISIT(a[i + 2]) VISIT(a[i + 3])
+#define LS_VISIT_LIST(VISIT, a) \
+    LS_VISIT_3(VISIT, a.groups) VISIT(a.count) LS_VISIT_3(VISIT, a.blocks) VISIT(a.dropped) \
+    LS_VISIT_3(VISIT, a.slots) VISIT(a.unused)
 #define LS_VISIT_ALL(VISIT, p) \
     VISIT(p.vertex.position) VISIT(p.vertex.normal) \
     VISIT(p.attributes.uv) VISIT(p.attributes.tangent) VISIT(p.attributes.color) \
     VISIT(p.triangle.a) VISIT(p.triangle.b) VISIT(p.triangle.c) VISIT(p.triangle.unused) \
     VISIT(p.meshlet.centre) VISIT(p.meshlet.radius) VISIT(p.meshlet.coneAxis) \
-    VISIT(p.meshlet.coneCutoff) \
+    VISIT(p.meshlet.coneCutoff) VISIT(p.meshlet.triangles) VISIT(p.meshlet.triangleCount) \
+    VISIT(p.meshlet.material) VISIT(p.meshlet.lod) \
     VISIT(p.cluster.instance) VISIT(p.cluster.meshlet) VISIT(p.cluster.triangles) \
     VISIT(p.cluster.material) VISIT(p.cluster.triangleCount) \
-    VISIT(p.cluster.unused0) VISIT(p.cluster.unused1) VISIT(p.cluster.unused2) \
+    VISIT(p.cluster.lod) VISIT(p.cluster.bin) VISIT(p.cluster.unused) \
     VISIT(p.instance.row0) VISIT(p.instance.row1) VISIT(p.instance.row2) \
-    VISIT(p.instance.maxScale) VISIT(p.instance.flags) VISIT(p.instance.unused0) \
-    VISIT(p.instance.unused1) \
+    VISIT(p.instance.maxScale) VISIT(p.instance.flags) VISIT(p.instance.mesh) \
+    VISIT(p.instance.unused) \
     VISIT(p.material.baseColor) VISIT(p.material.emissive) VISIT(p.material.flags) \
     VISIT(p.material.metallic) VISIT(p.material.roughness) VISIT(p.material.normalScale) \
     VISIT(p.material.occlusionStrength) VISIT(p.material.baseColorTexture) \
@@ -100,16 +114,33 @@ LS_NAMESPACE_END
     VISIT(p.punctual.kind) VISIT(p.punctual.direction) VISIT(p.punctual.coneScale) \
     VISIT(p.punctual.coneOffset) \
     VISIT(p.prefixSum.count) VISIT(p.prefixSum.source) VISIT(p.prefixSum.blockTotals) \
-    LS_VISIT_5(VISIT, p.cullClusters.planes) VISIT(p.cullClusters.eye) \
-    VISIT(p.cullClusters.clusterCount) VISIT(p.cullClusters.useCones) \
-    LS_VISIT_5(VISIT, p.compact.binStarts) \
-    VISIT(p.cullTriangles.clipFromWorld) VISIT(p.cullTriangles.size) \
-    LS_VISIT_5(VISIT, p.cullTriangles.binStarts) \
-    LS_VISIT_3(VISIT, p.visible.groups) VISIT(p.visible.clusters) \
-    LS_VISIT_5(VISIT, p.visible.binStarts) \
+    VISIT(p.mesh.centre) VISIT(p.mesh.radius) VISIT(p.mesh.firstLod) VISIT(p.mesh.lodCount) \
+    VISIT(p.mesh.bin) VISIT(p.mesh.unused) \
+    VISIT(p.lod.firstMeshlet) VISIT(p.lod.meshletCount) VISIT(p.lod.error) VISIT(p.lod.unused) \
+    VISIT(p.chunk.centre) VISIT(p.chunk.radius) VISIT(p.chunk.first) VISIT(p.chunk.count) \
+    VISIT(p.chunk.unused0) VISIT(p.chunk.unused1) \
+    VISIT(p.cull.clipFromWorld) VISIT(p.cull.hizFromWorld0) VISIT(p.cull.hizFromWorld1) \
+    LS_VISIT_5(VISIT, p.cull.planes) VISIT(p.cull.eye) VISIT(p.cull.mode) VISIT(p.cull.lodEye) \
+    VISIT(p.cull.lodScale) VISIT(p.cull.distances0) VISIT(p.cull.distances1) \
+    VISIT(p.cull.size) VISIT(p.cull.lodMode) VISIT(p.cull.lodParallel) VISIT(p.cull.useCones) \
+    VISIT(p.cull.chunkCount) VISIT(p.cull.hizValid) VISIT(p.cull.hizLevels) \
+    VISIT(p.cull.hizSize) VISIT(p.cull.listAll) \
+    LS_VISIT_4(VISIT, p.cull.hizOffsets, 0) LS_VISIT_4(VISIT, p.cull.hizOffsets, 4) \
+    LS_VISIT_4(VISIT, p.cull.hizOffsets, 8) LS_VISIT_4(VISIT, p.cull.hizOffsets, 12) \
+    LS_VISIT_LIST(VISIT, p.cullList) \
+    LS_VISIT_LIST(VISIT, p.cullCounts.lists[0]) LS_VISIT_LIST(VISIT, p.cullCounts.lists[1]) \
+    LS_VISIT_LIST(VISIT, p.cullCounts.lists[2]) LS_VISIT_LIST(VISIT, p.cullCounts.lists[3]) \
+    LS_VISIT_LIST(VISIT, p.cullCounts.lists[4]) LS_VISIT_LIST(VISIT, p.cullCounts.lists[5]) \
+    LS_VISIT_LIST(VISIT, p.cullCounts.lists[6]) LS_VISIT_LIST(VISIT, p.cullCounts.lists[7]) \
+    VISIT(p.cullCounts.instances) VISIT(p.cullCounts.instancesHidden) \
+    VISIT(p.cullCounts.instancesFound) VISIT(p.cullCounts.clustersHidden) \
+    VISIT(p.scan.source) VISIT(p.scan.result) VISIT(p.scan.times) VISIT(p.scan.capacity) \
+    VISIT(p.scan.before) VISIT(p.scan.totals) \
+    VISIT(p.phase.phase) VISIT(p.phase.table) \
+    VISIT(p.hiz.from) VISIT(p.hiz.to) VISIT(p.hiz.fromOffset) VISIT(p.hiz.toOffset) VISIT(p.hiz.scale) \
     VISIT(p.capture.clipFromWorld) \
     VISIT(p.view.clipFromWorld) VISIT(p.view.viewFromWorld) VISIT(p.view.eye) \
-    VISIT(p.view.clipScale) \
+    VISIT(p.view.clipScale) VISIT(p.view.jitter) \
     VISIT(p.coarse.size) VISIT(p.coarse.fullSize) VISIT(p.coarse.rate) \
     VISIT(p.coarse.terms) \
     LS_VISIT_VIEW(VISIT, p.lightView) \
@@ -135,7 +166,6 @@ LS_NAMESPACE_END
     VISIT(p.compactVisibility.capacity) \
     VISIT(p.captureCompute.clipFromWorld) VISIT(p.captureCompute.size) \
     VISIT(p.captureCompute.firstRow) VISIT(p.captureCompute.rows) \
-    LS_VISIT_5(VISIT, p.captureCompute.binStarts) \
     LS_VISIT_3(VISIT, p.captureQueue.groups) VISIT(p.captureQueue.first) \
     VISIT(p.captureQueue.count) VISIT(p.captureQueue.clipped) VISIT(p.captureQueue.large) \
     VISIT(p.captureQueue.jobs) \
@@ -152,7 +182,8 @@ LS_NAMESPACE_END
     VISIT(p.sampleGrid.size) VISIT(p.sampleGrid.fullSize) VISIT(p.sampleGrid.rate) \
     VISIT(p.spatial.step) VISIT(p.spatial.texelSize) VISIT(p.spatial.last) \
     VISIT(p.spatial.live) VISIT(p.spatial.size) VISIT(p.spatial.amount) VISIT(p.spatial.seed) \
-    VISIT(p.combine.size)
+    VISIT(p.combine.size) \
+    VISIT(p.motion.previousClipFromWorld) VISIT(p.motion.size) VISIT(p.showLods.scale)
 // clang-format on
 
 #endif

@@ -67,12 +67,12 @@ struct View {
     gpu::Kernel probe;
     vk::raii::Sampler sampler;
     gpu::Recorder rec;
-    std::vector<shared::GpuCluster> clusters;
+    std::vector<shared::GpuCluster> clusters;  ///< of the last picture
     std::vector<shared::GpuTriangle> triangles;
 
     View(const gpu::Device& device, Scene scene)
         : source(std::move(scene)),
-          onGpu(device, source),
+          onGpu(device, source, {}, {.simplify = false}),
           cull(device),
           capture(device, onGpu.features()),
           rebuild(device, onGpu.features()),
@@ -81,7 +81,6 @@ struct View {
                     {Slot::uniformBuffer, Slot::sampledImage, Slot::storageBuffer})),
           sampler(device.vk(), vk::SamplerCreateInfo{}),
           rec(device),
-          clusters(records<shared::GpuCluster>(onGpu.clusters)),
           triangles(records<shared::GpuTriangle>(onGpu.triangles)) {}
 
     template <typename T>
@@ -123,6 +122,7 @@ struct View {
                      scene::withScene(onGpu, {view, {ids, sampler}, found}));
         rec.submit();
 
+        clusters = records<shared::GpuCluster>(onGpu.clusters);
         return {.size = size,
                 .ids = gpu::as<std::uint32_t>(gpu::readImage(device, ids)),
                 .normals = gpu::as<std::uint32_t>(gpu::readImage(device, surface.normal)),

@@ -14,6 +14,7 @@
 #include "app/camera_path.hpp"
 #include "app/console.hpp"
 #include "app/frame_options.hpp"
+#include "app/geometry_options.hpp"
 #include "app/whole_file.hpp"
 
 namespace lodestar::app {
@@ -48,8 +49,8 @@ void printRows(const Json& rows, const std::string& measures,
                const std::vector<std::string>& keys) {
     std::vector<Table::Column> columns;
     for (const std::string& key : keys) {
-        const bool text =
-            key == "scene" || key == "camera" || key == "method" || key == "path" || key == "size";
+        const bool text = key == "scene" || key == "camera" || key == "method" || key == "path" ||
+                          key == "size" || key == "culling" || key == "lod";
         columns.push_back({headingOf(key), text ? Table::Align::left : Table::Align::right});
     }
     Table table(columns);
@@ -105,7 +106,8 @@ const std::vector<Bench>& benches() {
     static const std::vector<Bench> all{shadingRateBench(),       framebufferLodBench(),
                                         budgetHoldBench(),        scalingFiltersBench(),
                                         visibilityQualityBench(), visibilityMemoryBench(),
-                                        visibilityTimeBench()};
+                                        visibilityTimeBench(),    geometryLodBench(),
+                                        cullingScaleBench(),      lodQualityBench()};
     return all;
 }
 
@@ -120,6 +122,8 @@ Result<std::vector<BenchCase>> benchCases(const BenchOptions& options,
                                           const std::vector<BenchCase>& defaults) {
     if (!options.scene.empty())
         return std::vector{BenchCase{options.scene, options.view.camera, options.path}};
+    const auto inFolder = [](const BenchCase& one) { return !one.scene.starts_with("builtin:"); };
+    if (std::none_of(defaults.begin(), defaults.end(), inFolder)) return defaults;
     fs::path folder = options.scenes;
     if (folder.empty())
         if (const char* given = std::getenv("LODESTAR_SCENES")) folder = given;
@@ -129,6 +133,7 @@ Result<std::vector<BenchCase>> benchCases(const BenchOptions& options,
             "another scene with --scene, or a built-in one with --quick");
     std::vector<BenchCase> cases = defaults;
     for (BenchCase& one : cases) {
+        if (!inFolder(one)) continue;
         const fs::path file = folder / one.scene;
         std::error_code ignored;
         if (!fs::exists(file, ignored))
@@ -269,6 +274,7 @@ void addBench(CLI::App& app, int& exitCode) {
         ->type_name("PATH");
     addViewOptions(*command, o->view);
     for (const char* option : {"--camera", "--eye"}) command->get_option(option)->needs(scene);
+    addGeometryOptions(*command, o->settings);
     addFrameOptions(*command, o->settings);
     addDeviceOption(*command, o->device.device);
     command->add_flag("--validate", o->device.validation,

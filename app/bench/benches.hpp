@@ -21,4 +21,11 @@ Bench visibilityMemoryBench();
 /// Table 4: times.
 Bench visibilityTimeBench();
 
+/// Culling and levels of detail, each alone and together: the source's chart of six modes.
+Bench geometryLodBench();
+/// What culling costs by the number of instances, with the visible ones fixed.
+Bench cullingScaleBench();
+/// Quality and triangles by the error allowed.
+Bench lodQualityBench();
+
 }  // namespace lodestar::app

@@ -14,12 +14,15 @@ add_library(lodestar STATIC
     gpu/recorder.cpp
     scene/gpu_scene.cpp
     geometry/cull.cpp
+    geometry/hiz.cpp
+    geometry/show_lods.cpp
     visibility/capture_compute.cpp
     visibility/capture_ms.cpp
     visibility/capture_ss.cpp
     visibility/compact.cpp
     visibility/expand.cpp
     visibility/fragments.cpp
+    visibility/motion.cpp
     visibility/rebuild.cpp
     visibility/sample_grid.cpp
     shading/coarse.cpp
@@ -32,6 +35,7 @@ add_library(lodestar STATIC
     frame/capture_frame.cpp
     frame/frame.cpp
     frame/light_maps.cpp
+    frame/motion_tracker.cpp
 )
 add_library(lodestar::lodestar ALIAS lodestar)
 target_link_libraries(lodestar
@@ -42,9 +46,16 @@ target_precompile_headers(lodestar PRIVATE gpu/vulkan.hpp)
 lodestar_shaders(lodestar
     gpu/prefix_sum.comp
     geometry/compact.comp
+    geometry/cull_chunks.comp
     geometry/cull_clusters.comp
+    geometry/cull_instances.comp
     geometry/cull_triangles.comp
     geometry/emit.comp
+    geometry/hiz.comp
+    geometry/list_chunks.comp
+    geometry/scan_blocks.comp
+    geometry/scan_totals.comp
+    geometry/show_lods.comp
     visibility/capture_args.comp
     visibility/capture_clip.comp
     visibility/capture_small.comp
@@ -57,6 +68,7 @@ lodestar_shaders(lodestar
     visibility/compact.comp
     visibility/expand.comp
     visibility/fragments.comp
+    visibility/motion.comp
     visibility/rebuild.comp
     visibility/sample_grid.comp
     visibility/resolve.comp

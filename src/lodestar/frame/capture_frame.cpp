@@ -115,7 +115,7 @@ CaptureFrame::CaptureFrame(const gpu::Device& owner, const scene::GpuScene& gpuS
       bandRows(chooseRows(owner, gpuScene, used, s)),
       transient(owner.allocatedBytes()),
       cull(owner),
-      list(owner, gpuScene, "capture"),
+      list(owner, gpuScene, "capture", scene::TablePart::whole),
       implementation([&] {
           transient = owner.allocatedBytes();  // the list is what is drawn, not how it is captured
           return makeBackend();

@@ -97,6 +97,13 @@ float luminance(glm::vec3 color) {
     return glm::dot(color, glm::vec3(0.2126f, 0.7152f, 0.0722f));
 }
 
+/// Light maps outlive the view they were first drawn for, so their levels of detail go by their own
+/// texels: off by no more than half of one, which is within the bias that hides a map's own steps.
+geometry::LodChoice lightLods(const geometry::LodChoice& eye) {
+    using Mode = geometry::LodChoice::Mode;
+    return {.mode = eye.mode == Mode::off ? Mode::off : Mode::error, .errorPx = 0.5f};
+}
+
 const FrameSettings& checked(const FrameSettings& s) {
     if (s.size.width < 1 || s.size.height < 1 || s.size.width > 16384 || s.size.height > 16384)
         throw std::invalid_argument("FrameSettings::size must be 1 … 16384 pixels a side");
@@ -132,6 +139,7 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       aspect(s.aspect > 0 ? s.aspect
                           : static_cast<float>(s.size.width) / static_cast<float>(s.size.height)),
       cull(owner),
+      showLods(owner),
       capture(owner, gpuScene.features()),
       rebuildPass(owner, gpuScene.features()),
       coarse(owner),
@@ -141,12 +149,14 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       tonemap(owner),
       spatial(owner),
       eyeList(owner, gpuScene, "eye"),
+      hiz(owner, s.size, "hi-z"),
       lightMaps(owner, gpuScene, sky,
                 {.sunTexels = s.shadowMapSize,
                  .skyTexels = s.skyMapSize,
                  .skyViews = s.skyViews,
                  .shadows = s.shadowTaps > 0,
-                 .shadowDistance = s.shadowDistance}),
+                 .shadowDistance = s.shadowDistance,
+                 .lod = lightLods(s.lod)}),
       repairList(owner, room),
       viewBuffer(owner, "view", sizeof(shared::ViewParams), gpu::Residence::mapped),
       lightBuffer(owner, "light", sizeof(shared::LightParams), gpu::Residence::mapped),
@@ -163,6 +173,7 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       displayImage(target(owner, s.size, vk::Format::eR8G8B8A8Unorm, "display", Usage::eStorage)),
       surfaces(owner, room),
       rec(owner) {
+    if (s.motion) tracker.emplace(owner, gpuScene, room);
     // A sun of the file has the colour it says. Its strength sets what a lux is: the sky is as
     // bright beside it as beside the real sun, lamps and emissive surfaces as the file has them.
     sunIlluminance = sky.sunIlluminance();
@@ -182,14 +193,18 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
     begin(camera, levers.renderScale);
 
     // Which triangle does each pixel show?
-    cull.record(rec, *scene, {clipFromWorld(camera), camera.eye, live}, eyeList);
-    rec.barrier(Stage::compute, Stage::raster);
-    rec.barrier(Stage::compute, Stage::indirect);
-    capture.record(rec, *scene, eyeList, clipFromWorld(camera), {ids(), part(depthBuffer, live)},
-                   "capture");
-    rec.barrier(Stage::raster, Stage::compute);
+    findVisible({.clipFromWorld = clipFromWorld(camera),
+                 .eye = camera.eye,
+                 .size = live,
+                 .cull = options.cull,
+                 .lod = options.lod});
 
+    if (tracker) tracker->record(rec, *scene, ids(), viewBuffer, steadyClipFromWorld(camera));
     shade(levers);
+    if (options.showLods) {
+        rec.barrier(Stage::compute, Stage::compute);
+        showLods.record(rec, *scene, ids(), displayImage);
+    }
     return rec.submit();
 }
 
@@ -205,6 +220,7 @@ gpu::FrameTimes Frame::rebuild(const visibility::CompactRecord& from, const scen
     begin(camera, levers.renderScale);
     rebuilding->expand.record(rec, *scene, from, clipFromWorld(camera), ids());
     rec.barrier(Stage::compute, Stage::compute);
+    if (tracker) tracker->record(rec, *scene, ids(), viewBuffer, steadyClipFromWorld(camera));
     shade(levers);
     return rec.submit();
 }
@@ -292,8 +308,22 @@ void Frame::shadeOnGridS(float rate) {
                     radiance());
 }
 
-glm::mat4 Frame::clipFromWorld(const scene::Camera& camera) const {
+void Frame::reset() {
+    hiz.reset();
+    if (tracker) tracker->reset();
+}
+
+glm::mat4 Frame::steadyClipFromWorld(const scene::Camera& camera) const {
     return camera.clipFromView(aspect) * camera.viewFromWorld();
+}
+
+glm::mat4 Frame::clipFromWorld(const scene::Camera& camera) const {
+    glm::mat4 clip = steadyClipFromWorld(camera);
+    for (int i = 0; i < 4; ++i) {
+        clip[i].x += jitter.x * clip[i].w;
+        clip[i].y += jitter.y * clip[i].w;
+    }
+    return clip;
 }
 
 Frame::Smooth Frame::makeSmooth(const visibility::CompactRecord& from,
@@ -369,6 +399,29 @@ gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
     return times;
 }
 
+/// Culls and captures; what is hidden, in two phases: first what the last picture does not hide,
+/// then what that, drawn, does not hide of the rest.
+void Frame::findVisible(const geometry::CullView& view) {
+    using Phase = visibility::CaptureSs::Phase;
+    const visibility::CaptureSs::Target target{ids(), part(depthBuffer, live)};
+    const auto draw = [&](const char* name, Phase phase) {
+        rec.barrier(Stage::compute, Stage::raster);
+        rec.barrier(Stage::compute, Stage::indirect);
+        capture.record(rec, *scene, eyeList, view.clipFromWorld, target, name, phase);
+        rec.barrier(Stage::raster, Stage::compute);
+    };
+    if (view.cull != geometry::CullMode::hiz) {
+        cull.record(rec, *scene, view, eyeList);
+        draw("capture", Phase::both);
+        return;
+    }
+    cull.recordFirst(rec, *scene, view, eyeList, hiz);
+    draw("capture", Phase::first);
+    hiz.record(rec, part(depthBuffer, live), view.clipFromWorld);
+    cull.recordSecond(rec, *scene, eyeList, hiz);
+    draw("capture rest", Phase::second);
+}
+
 void Frame::evaluateTerms(const budget::Levers& levers) {
     const shading::Coarse::Inputs inputs{ids(), lightMaps.sunMap(), lightMaps.skyMaps(), viewBuffer,
                                          lightBuffer};
@@ -422,10 +475,11 @@ void Frame::meter() {
 void Frame::writeUniforms(const scene::Camera& camera) {
     const glm::mat4 clipFromView = camera.clipFromView(aspect);
     *viewBuffer.mapped<shared::ViewParams>() = {
-        .clipFromWorld = clipFromView * camera.viewFromWorld(),
+        .clipFromWorld = clipFromWorld(camera),
         .viewFromWorld = camera.viewFromWorld(),
         .eye = camera.eye,
-        .clipScale = {clipFromView[0][0], clipFromView[1][1]}};
+        .clipScale = {clipFromView[0][0], clipFromView[1][1]},
+        .jitter = jitter};
 
     const float cell =
         options.noiseScale > 0 ? options.noiseScale : std::max(scene->bounds().radius() / 8, 1e-6f);

@@ -6,7 +6,9 @@
 
 #include <lodestar/budget/levers.hpp>
 #include <lodestar/frame/light_maps.hpp>
+#include <lodestar/frame/motion_tracker.hpp>
 #include <lodestar/geometry/cull.hpp>
+#include <lodestar/geometry/show_lods.hpp>
 #include <lodestar/post/tonemap.hpp>
 #include <lodestar/scale/spatial.hpp>
 #include <lodestar/scene/camera.hpp>
@@ -40,10 +42,14 @@ struct FrameSettings {
     std::uint32_t noiseOctaves = 0;      ///< of the pattern on all surfaces; 0 = none, at most 12
     float noiseScale = 0;      ///< cells of its first octave [scene units]; 0 = 1/8 of the scene
     float leastWeight = 0.1f;  ///< pixels reconstructed from less may be repaired
+    bool motion = false;       ///< make motion vectors of every picture
     float exposure = 1;        ///< 0: metered on the first frame, and kept
     float aspect = 0;          ///< width / height that the picture shows; 0 = that of `size`
     upsample::Reconstruct reconstruct = upsample::Reconstruct::bilateral;
     upsample::Sigmas sigmas;
+    geometry::CullMode cull = geometry::CullMode::frustum;
+    geometry::LodChoice lod;
+    bool showLods = false;  ///< colour the picture by level of detail
 };
 
 /// The whole frame: owns the targets, composes the passes.
@@ -79,9 +85,15 @@ public:
     gpu::View material() const { return part(surfaces.material, live); }
     /// RGBA16_SFLOAT: share of the sun seen, share of the sky seen.
     gpu::View terms() const { return part(termImage, live); }
+    /// See visibility::Motion; only with FrameSettings::motion.
+    gpu::View motion() const { return part(tracker.value().motion(), live); }
     /// Pixels of the last frame whose coarse terms were evaluated anew. Waits for the device.
     std::uint32_t repairedPixels() const;
     const geometry::DrawList& drawList() const { return eyeList; }
+    /// Forgets the last picture, which is otherwise used to guess what hides what.
+    void resetOcclusion() { hiz.reset(); }
+    /// Forgets it for motion too: the camera was cut.
+    void reset();
     /// As given; the exposure as in use.
     const FrameSettings& settings() const { return options; }
 
@@ -96,6 +108,7 @@ private:
     /// Sets the exposure by the last frame's radiance.
     void meter();
     glm::mat4 clipFromWorld(const scene::Camera&) const;
+    glm::mat4 steadyClipFromWorld(const scene::Camera&) const;
 
     /// What rebuilding from records of one rate needs.
     struct Rebuilding {
@@ -122,12 +135,14 @@ private:
     Whole makeWhole() const;
     Smooth makeSmooth(const visibility::CompactRecord&, std::uint32_t capacity) const;
     void writeUniforms(const scene::Camera&);
+    void findVisible(const geometry::CullView&);
 
     const gpu::Device* device;
     const scene::GpuScene* scene;
     FrameSettings options;
-    vk::Extent2D room;  ///< of the targets
-    vk::Extent2D live;  ///< the part of them that is grid O of this frame
+    vk::Extent2D room;    ///< of the targets
+    vk::Extent2D live;    ///< the part of them that is grid O of this frame
+    glm::vec2 jitter{0};  ///< of this frame [NDC]
     shading::Sky sky;
     std::array<glm::vec3, 9> irradiance;  ///< of the sky
     glm::vec3 sunIlluminance{0};
@@ -135,6 +150,7 @@ private:
     float aspect;
 
     geometry::Cull cull;
+    geometry::ShowLods showLods;
     visibility::CaptureSs capture;
     visibility::Rebuild rebuildPass;
     shading::Coarse coarse;
@@ -145,6 +161,7 @@ private:
     scale::Spatial spatial;
 
     geometry::DrawList eyeList;
+    geometry::HiZ hiz;
     LightMaps lightMaps;
     upsample::RepairList repairList;
     bool listHolds = false;  ///< whether the last frame filled the list
@@ -153,6 +170,7 @@ private:
         displayImage;
     visibility::Surface surfaces;
 
+    std::optional<MotionTracker> tracker;
     std::optional<Rebuilding> rebuilding;
     std::optional<Smooth> smooth;
     std::optional<Whole> whole;

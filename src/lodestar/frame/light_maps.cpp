@@ -27,7 +27,7 @@ LightMaps::LightMaps(const gpu::Device& device, const scene::GpuScene& scene,
     : options(settings),
       light(sky),
       capture(device, scene.features(), visibility::CaptureSs::Writes::depthOnly),
-      list(device, scene, "light"),
+      list(device, scene, "light", scene::TablePart::light),
       sunImage(depthMaps(device, settings.sunTexels, 1, "sun map")),
       skyImage(depthMaps(device, settings.skyTexels, settings.skyViews, "sky maps")) {}
 
@@ -65,7 +65,8 @@ void LightMaps::draw(gpu::Recorder& rec, const scene::GpuScene& scene, const geo
                 {.clipFromWorld = view.clipFromWorld,
                  .size = map.extent,
                  .perspective = false,
-                 .keepBeforeNear = true},
+                 .keepBeforeNear = true,
+                 .lod = options.lod},
                 list);
     rec.barrier(Stage::compute, Stage::raster);
     rec.barrier(Stage::compute, Stage::indirect);

@@ -18,6 +18,7 @@ public:
         std::uint32_t skyViews = 16;                      ///< 0: no occlusion of the sky
         bool shadows = true;
         float shadowDistance = 0;  ///< [scene units]; 0 = to the far side of the scene
+        geometry::LodChoice lod;   ///< in texels of the maps, whatever the eye sees: they are kept
     };
     LightMaps(const gpu::Device&, const scene::GpuScene&, const shading::Sky&, const Settings&);
 

@@ -1,37 +1,41 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
-#include "../shared/types.h"
+#include "../scene/scene.glsl"
 #include "cull_params.h"
 
-// One thread a cluster: lists the visible ones in order, says how many there are, and clears what
-// the triangles of each will be counted in.
-layout(local_size_x = 64) in;
+// One thread a candidate: writes the record of each visible one, in order, and clears what its
+// triangles will be counted in.
+layout(local_size_x = LS_SPAN) in;
 
-layout(binding = 0, scalar) readonly buffer Offsets { uint offsets[]; };  // flags, prefix-summed
-layout(binding = 1, scalar) writeonly buffer Visible { uint visible[]; };
-layout(binding = 2, scalar) writeonly buffer Triangles { uint triangleCounts[]; };
-layout(binding = 3, scalar) writeonly buffer Masks { uvec4 masks[]; };
-layout(binding = 4, scalar) writeonly buffer Counts { VisibleCounts counts; };
-layout(push_constant, scalar) uniform Push { CompactParams params; };
+layout(binding = 6) uniform usamplerBuffer meshes;
+layout(binding = 7, scalar) readonly buffer Counts { CullCounts counts; };
+layout(binding = 8, scalar) readonly buffer Candidates { uvec2 candidates[]; };
+layout(binding = 9, scalar) readonly buffer Offsets { uint offsets[]; };  // flags, scanned
+layout(binding = 10, scalar) writeonly buffer Clusters { uvec4 clusters[]; };
+layout(binding = 11, scalar) writeonly buffer Triangles { uint triangleCounts[]; };
+layout(binding = 12, scalar) writeonly buffer Masks { uvec4 masks[]; };
+layout(push_constant, scalar) uniform Push {
+    PhaseParams push;
+    uint totals;
+};
 
 void main() {
-    const uint index = gl_GlobalInvocationID.x;
-    const uint clusterCount = params.binStarts[4];
-    if (index > clusterCount) return;
-    triangleCounts[index] = 0;
-    if (index == clusterCount) {
-        const uint total = offsets[clusterCount];
-        const uint perGroup = LS_CULL_GROUP / LS_CLUSTER_SLOTS;
-        const uint groups = max((total + perGroup - 1) / perGroup, 1);  // one writes the draws
-        const uint rows = (groups + 32767) / 32768;
-        counts.groups[0] = (groups + rows - 1) / rows;
-        counts.groups[1] = rows;
-        counts.groups[2] = 1;
-        counts.clusters = total;
-        for (int i = 0; i < 5; ++i) counts.binStarts[i] = offsets[params.binStarts[i]];
-        return;
-    }
-    masks[index] = uvec4(0);
-    const uint at = offsets[index];
-    if (offsets[index + 1] != at) visible[at] = index;
+    const uint index = linearThread(gl_WorkGroupID, gl_NumWorkGroups, LS_SPAN,
+                                    gl_LocalInvocationID.x);
+    const bool second = push.phase == 1;
+    if (index >= counts.lists[second ? LS_LIST_CANDIDATES_2 : LS_LIST_CANDIDATES].count) return;
+    const uvec2 candidate = candidates[index];
+    if ((candidate.y & LS_CANDIDATE_VISIBLE) == 0) return;
+    const uint place = offsets[index] + offsets[totals + index / LS_BLOCK];
+    if (place >= counts.lists[second ? LS_LIST_CLUSTERS_2 : LS_LIST_CLUSTERS].count) return;
+    const uint number = push.table + place + (second ? counts.lists[LS_LIST_CLUSTERS].count : 0);
+
+    const uint meshletIndex = candidate.y & ~LS_CANDIDATE_VISIBLE;
+    const GpuMeshlet meshlet = loadMeshlet(meshletIndex);
+    const uint mesh = loadInstance(candidate.x).mesh;
+    const uint bin = texelFetch(meshes, int(2 * mesh + 1)).z;
+    clusters[2 * number] = uvec4(candidate.x, meshletIndex, meshlet.triangles, meshlet.material);
+    clusters[2 * number + 1] = uvec4(meshlet.triangleCount, meshlet.lod, bin, 0);
+    triangleCounts[place] = 0;
+    masks[place] = uvec4(0);
 }

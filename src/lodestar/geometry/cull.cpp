@@ -1,13 +1,24 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
-
-#include <lodestar/geometry/cull_params.h>
 #include <lodestar/geometry/cull.hpp>
+
+#include <algorithm>
+#include <cstddef>
+#include <limits>
+
 #include <lodestar/scene/scene_bindings.hpp>
 
 namespace lodestar::geometry {
 namespace {
 
+constexpr std::uint32_t kChunksCode[] =
+#include <lodestar/geometry/cull_chunks.comp.inc>
+    ;
+constexpr std::uint32_t kListChunksCode[] =
+#include <lodestar/geometry/list_chunks.comp.inc>
+    ;
+constexpr std::uint32_t kInstancesCode[] =
+#include <lodestar/geometry/cull_instances.comp.inc>
+    ;
 constexpr std::uint32_t kClustersCode[] =
 #include <lodestar/geometry/cull_clusters.comp.inc>
     ;
@@ -20,89 +31,315 @@ constexpr std::uint32_t kTrianglesCode[] =
 constexpr std::uint32_t kEmitCode[] =
 #include <lodestar/geometry/emit.comp.inc>
     ;
+constexpr std::uint32_t kScanBlocksCode[] =
+#include <lodestar/geometry/scan_blocks.comp.inc>
+    ;
+constexpr std::uint32_t kScanTotalsCode[] =
+#include <lodestar/geometry/scan_totals.comp.inc>
+    ;
 
 using gpu::Slot;
 using gpu::Stage;
+using shared::CullList;
+using shared::ScanParams;
+
+constexpr auto kUint = vk::Format::eR32Uint;
+
+struct TotalledPhase {
+    shared::PhaseParams phase;
+    std::uint32_t totals;
+};
 
 glm::vec4 normalised(glm::vec4 plane) {
     return plane / glm::length(glm::vec3(plane));
 }
 
-/// Gribb & Hartmann 2001: the planes of a projection are sums of its rows.
-shared::CullClustersParams clusterParams(const CullView& view, std::uint32_t clusters) {
+/// Words of a buffer of values to scan: the values, then the totals of their blocks.
+std::uint64_t scanBytes(std::uint64_t values) {
+    return 4 * (values + values / shared::LS_BLOCK + 1);
+}
+
+void setLods(const CullView& view, shared::CullParams& params) {
+    const LodChoice& lod = view.lod;
+    if (lod.distances.size() > 8)
+        throw std::invalid_argument("LodChoice::distances has more than 8 entries");
+    if (lod.mode == LodChoice::Mode::error && !(lod.errorPx > 0))
+        throw std::invalid_argument("LodChoice::errorPx must be above 0");
+    params.lodMode = static_cast<std::uint32_t>(lod.mode);
+    params.lodEye = view.eye;
+    params.lodParallel = !view.perspective;
+    // How many pixels a unit of length is at distance 1 (or anywhere, in a parallel view).
     const glm::mat4 rows = glm::transpose(view.clipFromWorld);
-    shared::CullClustersParams params{
-        .eye = view.eye, .clusterCount = clusters, .useCones = view.perspective ? 1u : 0u};
+    const float perUnit = std::max(glm::length(glm::vec3(rows[0])) * float(view.size.width),
+                                   glm::length(glm::vec3(rows[1])) * float(view.size.height)) /
+                          2;
+    params.lodScale = perUnit / lod.errorPx;
+    float begins[8];
+    std::fill(std::begin(begins), std::end(begins), std::numeric_limits<float>::infinity());
+    std::copy(lod.distances.begin(), lod.distances.end(), begins);
+    params.distances0 = {begins[0], begins[1], begins[2], begins[3]};
+    params.distances1 = {begins[4], begins[5], begins[6], begins[7]};
+}
+
+shared::CullParams paramsOf(const CullView& view, const scene::GpuScene& scene, const HiZ* hiz) {
+    shared::CullParams params{
+        .clipFromWorld = view.clipFromWorld,
+        .eye = view.eye,
+        .mode = static_cast<std::uint32_t>(view.cull),
+        .size = {static_cast<float>(view.size.width), static_cast<float>(view.size.height)},
+        .useCones = view.perspective,
+        .chunkCount = scene.chunkCount()};
+    // Gribb & Hartmann 2001: the planes of a projection are sums of its rows.
+    const glm::mat4 rows = glm::transpose(view.clipFromWorld);
     params.planes[0] = normalised(rows[3] + rows[0]);
     params.planes[1] = normalised(rows[3] - rows[0]);
     params.planes[2] = normalised(rows[3] + rows[1]);
     params.planes[3] = normalised(rows[3] - rows[1]);
     params.planes[4] = view.keepBeforeNear ? glm::vec4(0, 0, 0, 1) : normalised(rows[3] - rows[2]);
+    setLods(view, params);
+    if (hiz != nullptr) {
+        params.hizFromWorld0 = hiz->clipFromWorld();
+        params.hizFromWorld1 = view.clipFromWorld;
+        params.hizValid = hiz->valid();
+        params.hizSize = {static_cast<float>(hiz->size().width),
+                          static_cast<float>(hiz->size().height)};
+        params.hizLevels = static_cast<std::uint32_t>(hiz->levels().size()) + shared::LS_HIZ_FIRST;
+        for (std::size_t i = 0; i < hiz->levels().size(); ++i)
+            params.hizOffsets[i + shared::LS_HIZ_FIRST] = hiz->levels()[i].offset;
+    }
     return params;
 }
 
-std::vector<gpu::SlotArray> storageSlots(std::size_t count) {
-    return std::vector<gpu::SlotArray>(count, Slot::storageBuffer);
+std::vector<gpu::SlotArray> slots(std::initializer_list<std::pair<Slot, int>> runs) {
+    std::vector<gpu::SlotArray> all;
+    for (const auto& [slot, count] : runs)
+        for (int i = 0; i < count; ++i) all.emplace_back(slot);
+    return all;
+}
+
+constexpr std::uint64_t kGroups = offsetof(CullList, groups), kBlocks = offsetof(CullList, blocks),
+                        kSlots = offsetof(CullList, slots);
+
+/// Where the dispatch over a list stands in DrawList::counts.
+constexpr std::uint64_t at(std::uint32_t list, std::uint64_t which) {
+    return offsetof(shared::CullCounts, lists) + list * sizeof(CullList) + which;
 }
 
 }  // namespace
 
-DrawList::DrawList(const gpu::Device& device, const scene::GpuScene& scene, const std::string& name)
-    : clusterOffsets(device, name + ": cluster offsets",
-                     4ull * gpu::PrefixSum::bufferLength(scene.clusterCount() + 1)),
-      visible(device, name + ": visible clusters", 4ull * scene.clusterCount()),
-      counts(device, name + ": counts", sizeof(shared::VisibleCounts)),
-      masks(device, name + ": triangle masks", 16ull * scene.clusterCount()),
-      triangleOffsets(device, name + ": triangle offsets",
-                      4ull * gpu::PrefixSum::bufferLength(scene.clusterCount() + 1)),
-      ids(device, name + ": triangle ids", 4ull * scene.triangleCount(), vk::Format::eR32Uint),
-      draws(device, name + ": draws", scene::kDrawBins * sizeof(vk::DrawIndirectCommand)) {}
+DrawList::DrawList(const gpu::Device& device, const scene::GpuScene& scene, const std::string& name,
+                   scene::TablePart ofTable)
+    : ids(device, name + ": triangle ids", 4ull * scene.triangleCapacity(), kUint),
+      draws(device, name + ": draws", 2 * scene::kDrawBins * sizeof(vk::DrawIndirectCommand)),
+      counts(device, name + ": counts", sizeof(shared::CullCounts)),
+      params(device, name + ": view", sizeof(shared::CullParams)),
+      chunkOffsets(device, name + ": chunk offsets", scanBytes(scene.chunkCount())),
+      chunks(device, name + ": visible chunks", 4ull * scene.chunkCount()),
+      firstOffsets(device, name + ": meshlet offsets",
+                   scanBytes(std::uint64_t{scene.chunkCount()} * shared::LS_CHUNK), kUint),
+      secondOffsets(device, name + ": meshlet offsets, second phase",
+                    scanBytes(std::uint64_t{scene.chunkCount()} * shared::LS_CHUNK), kUint),
+      states(device, name + ": instance states", 4ull * scene.chunkCount() * shared::LS_CHUNK),
+      candidates(device, name + ": meshlets", 8ull * scene.clusterCapacity()),
+      candidateOffsets(device, name + ": cluster offsets", scanBytes(scene.clusterCapacity())),
+      hidden(device, name + ": hidden meshlets", 4ull * scene.clusterCapacity()),
+      masks(device, name + ": triangle masks", 16ull * scene.clusterCapacity()),
+      triangleOffsets(device, name + ": triangle offsets", scanBytes(scene.clusterCapacity())),
+      chunkCount(scene.chunkCount()),
+      instancePlaces(scene.chunkCount() * shared::LS_CHUNK),
+      clusterPlaces(scene.clusterCapacity() - 1),
+      trianglePlaces(scene.triangleCapacity()),
+      part(ofTable),
+      table(scene.tableStart(ofTable)) {}
 
 Cull::Cull(const gpu::Device& device)
-    : clusters(device, "cull clusters", kClustersCode, scene::withSceneSlots(storageSlots(1)),
-               sizeof(shared::CullClustersParams)),
-      compact(device, "compact clusters", kCompactCode, storageSlots(5),
-              sizeof(shared::CompactParams)),
-      triangles(device, "cull triangles", kTrianglesCode, scene::withSceneSlots(storageSlots(4)),
-                sizeof(shared::CullTrianglesParams)),
-      emit(device, "emit", kEmitCode, storageSlots(6)),
-      prefixSum(device) {}
+    : cullChunks(device, "cull chunks", kChunksCode,
+                 {Slot::uniformBuffer, Slot::texelBuffer, Slot::storageBuffer}),
+      listChunks(device, "list chunks", kListChunksCode,
+                 slots({{Slot::uniformBuffer, 1}, {Slot::storageBuffer, 3}}), sizeof(ScanParams)),
+      cullInstances(
+          device, "cull instances", kInstancesCode,
+          scene::withSceneSlots(
+              slots({{Slot::uniformBuffer, 1}, {Slot::texelBuffer, 5}, {Slot::storageBuffer, 4}})),
+          sizeof(shared::PhaseParams)),
+      cullClusters(
+          device, "cull clusters", kClustersCode,
+          scene::withSceneSlots(
+              slots({{Slot::uniformBuffer, 1}, {Slot::texelBuffer, 5}, {Slot::storageBuffer, 5}})),
+          sizeof(TotalledPhase)),
+      compact(device, "compact clusters", kCompactCode,
+              scene::withSceneSlots(slots({{Slot::texelBuffer, 1}, {Slot::storageBuffer, 6}})),
+              sizeof(TotalledPhase)),
+      cullTriangles(
+          device, "cull triangles", kTrianglesCode,
+          scene::withSceneSlots(slots({{Slot::uniformBuffer, 1}, {Slot::storageBuffer, 3}})),
+          sizeof(shared::PhaseParams)),
+      emit(device, "emit", kEmitCode, slots({{Slot::texelBuffer, 1}, {Slot::storageBuffer, 5}}),
+           sizeof(TotalledPhase)),
+      scanBlocks(device, "scan blocks", kScanBlocksCode, slots({{Slot::storageBuffer, 2}}),
+                 sizeof(ScanParams)),
+      scanTotals(device, "scan totals", kScanTotalsCode, slots({{Slot::storageBuffer, 2}}),
+                 sizeof(ScanParams)),
+      noPyramid(device, "no hi-z", 16, vk::Format::eR32Sfloat) {}
 
 void Cull::record(gpu::Recorder& rec, const scene::GpuScene& scene, const CullView& view,
                   DrawList& list) const {
-    if (view.size.width == 0 || view.size.height == 0)
-        throw std::invalid_argument("CullView::size is 0");
-    const auto pass = rec.pass("cull");
-    const std::uint32_t count = scene.clusterCount();
-    const vk::Extent3D oneAThread{gpu::groups(count + 1, 64), 1, 1};
+    if (view.cull == CullMode::hiz)
+        throw std::invalid_argument("Cull::record: CullMode::hiz takes two phases");
+    {
+        const auto pass = rec.pass("cull");
+        start(rec, scene, view, list, nullptr);
+        listClusters(rec, scene, list, 0, noPyramid);
+    }
+    const auto pass = rec.pass("cull triangles");
+    listTriangles(rec, scene, list, 0);
+}
 
-    rec.dispatch(clusters, oneAThread, scene::withScene(scene, {list.clusterOffsets}),
-                 clusterParams(view, count));
+void Cull::recordFirst(gpu::Recorder& rec, const scene::GpuScene& scene, const CullView& view,
+                       DrawList& list, const HiZ& hiz) const {
+    {
+        const auto pass = rec.pass("cull");
+        CullView hidden = view;
+        hidden.cull = CullMode::hiz;
+        start(rec, scene, hidden, list, &hiz);
+        listClusters(rec, scene, list, 0, hiz.pyramid());
+    }
+    const auto pass = rec.pass("cull triangles");
+    listTriangles(rec, scene, list, 0);
+}
+
+void Cull::recordSecond(gpu::Recorder& rec, const scene::GpuScene& scene, DrawList& list,
+                        const HiZ& hiz) const {
+    const auto pass = rec.pass("cull rest");
     rec.barrier(Stage::compute, Stage::compute);
-    prefixSum.record(rec, list.clusterOffsets, count + 1);
+    listClusters(rec, scene, list, 1, hiz.pyramid());
+    listTriangles(rec, scene, list, 1);
+}
 
-    shared::CompactParams bins{};
-    std::copy(scene.binStarts().begin(), scene.binStarts().end(), bins.binStarts);
-    rec.dispatch(compact, oneAThread,
-                 {list.clusterOffsets, list.visible, list.triangleOffsets, list.masks, list.counts},
-                 bins);
+/// Values that `list` counts become what is before each; their total, times `times`, the length of
+/// another list.
+void Cull::scan(gpu::Recorder& rec, const gpu::Buffer& values, const DrawList& list,
+                const ScanParams& params) const {
+    rec.barrier(Stage::compute, Stage::compute);
+    rec.dispatchIndirect(scanBlocks, list.counts, at(params.source, kBlocks), {values, list.counts},
+                         params);
+    rec.barrier(Stage::compute, Stage::compute);
+    rec.dispatch(scanTotals, {1, 1, 1}, {values, list.counts}, params);
     rec.barrier(Stage::compute, Stage::compute);
     rec.barrier(Stage::compute, Stage::indirect);
+}
 
-    shared::CullTrianglesParams params{
-        .clipFromWorld = view.clipFromWorld,
-        .size = {static_cast<float>(view.size.width), static_cast<float>(view.size.height)}};
-    std::copy(scene.binStarts().begin(), scene.binStarts().end(), params.binStarts);
-    rec.dispatchIndirect(
-        triangles, list.counts,
-        scene::withScene(scene, {list.visible, list.counts, list.masks, list.triangleOffsets}),
-        params);
+void Cull::start(gpu::Recorder& rec, const scene::GpuScene& scene, const CullView& view,
+                 DrawList& list, const HiZ* hiz) const {
+    if (view.size.width == 0 || view.size.height == 0)
+        throw std::invalid_argument("CullView::size is 0");
+    shared::CullParams params = paramsOf(view, scene, hiz);
+    params.listAll = list.part == scene::TablePart::whole;
+    if (params.listAll && (view.lod.mode != LodChoice::Mode::off || hiz != nullptr))
+        throw std::invalid_argument(
+            "Cull: a list of the whole table has no levels of detail and no Hi-Z");
+    const std::uint32_t count = scene.chunkCount();
+    const auto inRows = [](std::uint32_t groups, std::uint32_t* to) {
+        const std::uint32_t rows = gpu::groups(groups, 32768);
+        to[0] = rows == 0 ? 0 : gpu::groups(groups, rows);
+        to[1] = rows;
+        to[2] = 1;
+    };
+    shared::CullCounts counts{};
+    CullList& chunks = counts.lists[shared::LS_LIST_CHUNKS];
+    chunks.count = count;
+    inRows(gpu::groups(count, shared::LS_SPAN), chunks.groups);
+    inRows(gpu::groups(count, shared::LS_BLOCK), chunks.blocks);
+
+    rec.barrier(Stage::compute, Stage::transfer);  // a view before may still read them
+    rec.barrier(Stage::indirect, Stage::transfer);
+    rec.update(list.params, params);
+    rec.update(list.counts, counts);
+    rec.barrier(Stage::transfer, Stage::compute);
+    rec.barrier(Stage::transfer, Stage::indirect);
+
+    const ScanParams ofChunks{.source = shared::LS_LIST_CHUNKS,
+                              .result = shared::LS_LIST_INSTANCES,
+                              .times = shared::LS_CHUNK,
+                              .capacity = list.instancePlaces,
+                              .before = shared::LS_LIST_INSTANCES,
+                              .totals = list.chunkCount};
+    rec.dispatchIndirect(cullChunks, list.counts, at(shared::LS_LIST_CHUNKS, kGroups),
+                         {list.params, scene.chunks, list.chunkOffsets});
+    scan(rec, list.chunkOffsets, list, ofChunks);
+    rec.dispatchIndirect(listChunks, list.counts, at(shared::LS_LIST_CHUNKS, kGroups),
+                         {list.params, list.chunkOffsets, list.chunks, list.counts}, ofChunks);
     rec.barrier(Stage::compute, Stage::compute);
-    prefixSum.record(rec, list.triangleOffsets, count + 1);
+}
 
-    rec.dispatchIndirect(emit, list.counts,
-                         {list.visible, list.counts, list.masks, list.triangleOffsets,
-                          list.ids.buffer(), list.draws});
+/// The instances of the visible chunks, then their meshlets: those that are visible go to the
+/// scene's table.
+void Cull::listClusters(gpu::Recorder& rec, const scene::GpuScene& scene, DrawList& list,
+                        std::uint32_t number, const gpu::TexelBuffer& pyramid) const {
+    const bool second = number == 1;
+    const std::uint32_t candidates =
+        second ? shared::LS_LIST_CANDIDATES_2 : shared::LS_LIST_CANDIDATES;
+    const std::uint32_t clusters = second ? shared::LS_LIST_CLUSTERS_2 : shared::LS_LIST_CLUSTERS;
+    const gpu::TexelBuffer& offsets = second ? list.secondOffsets : list.firstOffsets;
+    const shared::PhaseParams phase{.phase = number, .table = list.table};
+
+    rec.dispatchIndirect(cullInstances, list.counts, at(shared::LS_LIST_INSTANCES, kGroups),
+                         scene::withScene(scene, {list.params, scene.chunks, scene.drawOrder,
+                                                  scene.meshes, scene.lods, pyramid, list.chunks,
+                                                  list.counts, offsets.buffer(), list.states}),
+                         phase);
+    scan(rec, offsets.buffer(), list,
+         {.source = shared::LS_LIST_INSTANCES,
+          .result = candidates,
+          .times = 1,
+          .capacity = list.clusterPlaces,
+          .before = candidates,
+          .totals = list.instancePlaces});
+
+    rec.dispatchIndirect(
+        cullClusters, list.counts, at(candidates, kGroups),
+        scene::withScene(
+            scene, {list.params, scene.lods, scene.meshes, pyramid, offsets, list.firstOffsets,
+                    list.counts, list.states, list.candidates, list.candidateOffsets, list.hidden}),
+        TotalledPhase{phase, list.instancePlaces});
+    scan(rec, list.candidateOffsets, list,
+         {.source = candidates,
+          .result = clusters,
+          .times = 1,
+          .capacity = list.clusterPlaces,
+          .before = second ? shared::LS_LIST_CLUSTERS : clusters,
+          .totals = list.clusterPlaces});
+    rec.dispatchIndirect(
+        compact, list.counts, at(candidates, kGroups),
+        scene::withScene(scene, {scene.meshes, list.counts, list.candidates, list.candidateOffsets,
+                                 scene.clusters.buffer(), list.triangleOffsets, list.masks}),
+        TotalledPhase{phase, list.clusterPlaces});
+    rec.barrier(Stage::compute, Stage::compute);
+}
+
+/// The triangles of the clusters listed, tested, and the draws of those that remain.
+void Cull::listTriangles(gpu::Recorder& rec, const scene::GpuScene& scene, DrawList& list,
+                         std::uint32_t number) const {
+    const bool second = number == 1;
+    const std::uint32_t clusters = second ? shared::LS_LIST_CLUSTERS_2 : shared::LS_LIST_CLUSTERS;
+    const std::uint32_t triangles =
+        second ? shared::LS_LIST_TRIANGLES_2 : shared::LS_LIST_TRIANGLES;
+    const shared::PhaseParams phase{.phase = number, .table = list.table};
+    rec.dispatchIndirect(
+        cullTriangles, list.counts, at(clusters, kSlots),
+        scene::withScene(scene, {list.params, list.counts, list.masks, list.triangleOffsets}),
+        phase);
+    scan(rec, list.triangleOffsets, list,
+         {.source = clusters,
+          .result = triangles,
+          .times = 1,
+          .capacity = list.trianglePlaces,
+          .before = second ? shared::LS_LIST_TRIANGLES : triangles,
+          .totals = list.clusterPlaces});
+    rec.dispatchIndirect(emit, list.counts, at(clusters, kSlots),
+                         {scene.clusters, list.counts, list.masks, list.triangleOffsets,
+                          list.ids.buffer(), list.draws},
+                         TotalledPhase{phase, list.clusterPlaces});
 }
 
 }  // namespace lodestar::geometry

@@ -1,47 +1,94 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <lodestar/gpu/prefix_sum.hpp>
+#include <vector>
+
+#include <lodestar/geometry/hiz.hpp>
 #include <lodestar/scene/gpu_scene.hpp>
 
 namespace lodestar::geometry {
 
+enum class CullMode {
+    none,     ///< every triangle of every instance goes to the rasteriser
+    frustum,  ///< instances and meshlets in view, not facing away; triangles that cover a pixel
+    hiz,      ///< of these, what is not behind something
+};
+
+/// Which level of detail instances are drawn at.
+struct LodChoice {
+    enum class Mode { off, error, distance };
+    Mode mode = Mode::off;
+    float errorPx = 1;             ///< error: the coarsest level that is off by no more than this
+    std::vector<float> distances;  ///< distance: where levels 1, 2, … begin [scene units]; ≤ 8
+};
+
 /// A view to cull for.
 struct CullView {
     glm::mat4 clipFromWorld{1};  ///< reversed depth; orthographic or perspective
-    glm::vec3 eye{0};            ///< world; used for normal cones
+    glm::vec3 eye{0};            ///< world; used for normal cones, and for levels of detail
     vk::Extent2D size;           ///< of the target [pixels]
     bool perspective = true;
     bool keepBeforeNear = false;  ///< do not cull what lies before the near plane (shadow casters)
+    CullMode cull = CullMode::frustum;  ///< hiz: by recordFirst() and recordSecond()
+    LodChoice lod;
 };
 
 /// The triangles of one view, ready to draw: their ids in cluster order, and one
-/// indirect draw a bin. Deterministic: the same view gives the same bytes.
+/// indirect draw a phase and bin. Deterministic: the same view gives the same bytes.
 struct DrawList {
-    DrawList(const gpu::Device&, const scene::GpuScene&, const std::string& name);
+    /// A list of TablePart::whole names clusters by numbers that no view changes: what is to be
+    /// kept.
+    DrawList(const gpu::Device&, const scene::GpuScene&, const std::string& name,
+             scene::TablePart = scene::TablePart::eye);
 
-    gpu::Buffer clusterOffsets;   ///< visible clusters before each cluster; the total at the end
-    gpu::Buffer visible;          ///< the visible clusters, in order
-    gpu::Buffer counts;           ///< shared::VisibleCounts
-    gpu::Buffer masks;            ///< of each visible cluster: a bit for each triangle kept
-    gpu::Buffer triangleOffsets;  ///< triangles before each visible cluster
-    gpu::TexelBuffer ids;         ///< cluster << 7 | meshlet triangle
-    gpu::Buffer draws;            ///< vk::DrawIndirectCommand for each scene::DrawBin
+    gpu::TexelBuffer ids;  ///< cluster << 7 | meshlet triangle; clusters of GpuScene::clusters
+    gpu::Buffer draws;     ///< vk::DrawIndirectCommand for each scene::DrawBin: those of the first
+                           ///< phase, then those of the second
+    gpu::Buffer counts;    ///< shared::CullCounts
+
+    // What the passes hand on.
+    gpu::Buffer params;                            ///< shared::CullParams
+    gpu::Buffer chunkOffsets, chunks;              ///< visible chunks before each; the visible
+    gpu::TexelBuffer firstOffsets, secondOffsets;  ///< meshlets before each place of an instance
+    gpu::Buffer states;                            ///< of each: LS_STATE_*
+    gpu::Buffer candidates, candidateOffsets, hidden;  ///< meshlets to look at; visible before each
+    gpu::Buffer masks, triangleOffsets;                ///< of each visible cluster
+    std::uint32_t chunkCount, instancePlaces, clusterPlaces, trianglePlaces;
+    scene::TablePart part;  ///< of GpuScene::clusters that the ids name
+    std::uint32_t table;    ///< where it begins
 };
 
-/// Culling on the GPU without read-back: clusters by frustum and normal cone, then the triangles of
-/// those that remain by frustum, facing and size. What is dropped could not have covered a sample.
+/// Culling and levels of detail on the GPU without read-back: chunks of instances, instances,
+/// meshlets, then triangles. What is dropped could not have covered a sample.
 class Cull {
 public:
     explicit Cull(const gpu::Device&);
 
-    /// Writes `list`, visible to compute; the caller makes it visible to raster and indirect.
-    /// Throws std::invalid_argument for a view without a size.
+    /// Writes `list` and the scene's cluster table, visible to compute; the caller makes them
+    /// visible to raster and indirect. Throws std::invalid_argument for a view without a size and
+    /// for CullMode::hiz.
     void record(gpu::Recorder&, const scene::GpuScene&, const CullView&, DrawList& list) const;
 
+    /// Occlusion in two phases: the first lists what `hiz`, the last picture, does not hide; the
+    /// caller draws that, builds `hiz` of it, and the second lists what that does not hide of the
+    /// rest. Whatever `hiz` held before, nothing visible is missing from the two.
+    void recordFirst(gpu::Recorder&, const scene::GpuScene&, const CullView&, DrawList& list,
+                     const HiZ& hiz) const;
+    void recordSecond(gpu::Recorder&, const scene::GpuScene&, DrawList& list, const HiZ& hiz) const;
+
 private:
-    gpu::Kernel clusters, compact, triangles, emit;
-    gpu::PrefixSum prefixSum;
+    void start(gpu::Recorder&, const scene::GpuScene&, const CullView&, DrawList&,
+               const HiZ*) const;
+    void listClusters(gpu::Recorder&, const scene::GpuScene&, DrawList&, std::uint32_t phase,
+                      const gpu::TexelBuffer& pyramid) const;
+    void listTriangles(gpu::Recorder&, const scene::GpuScene&, DrawList&,
+                       std::uint32_t phase) const;
+    void scan(gpu::Recorder&, const gpu::Buffer& values, const DrawList&,
+              const shared::ScanParams&) const;
+
+    gpu::Kernel cullChunks, listChunks, cullInstances, cullClusters, compact, cullTriangles, emit;
+    gpu::Kernel scanBlocks, scanTotals;
+    gpu::TexelBuffer noPyramid;
 };
 
 }  // namespace lodestar::geometry

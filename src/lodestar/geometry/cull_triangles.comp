@@ -8,11 +8,11 @@
 // cost more than the test.
 layout(local_size_x = LS_CULL_GROUP) in;
 
-layout(binding = 6, scalar) readonly buffer Visible { uint visible[]; };
-layout(binding = 7, scalar) readonly buffer Counts { VisibleCounts counts; };
+layout(binding = 6, scalar) uniform Params { CullParams params; };
+layout(binding = 7, scalar) readonly buffer Counts { CullCounts counts; };
 layout(binding = 8, scalar) buffer Masks { uint masks[]; };  // four words a cluster
 layout(binding = 9, scalar) buffer Triangles { uint triangleCounts[]; };
-layout(push_constant, scalar) uniform Push { CullTrianglesParams params; };
+layout(push_constant, scalar) uniform Push { PhaseParams push; };
 
 // Rasterisers snap vertices to a grid of at least 1/16 pixel (commonly 1/256); what is decided here
 // must hold wherever the vertices are snapped to.
@@ -40,24 +40,33 @@ bool canCoverAPixel(vec4 a, vec4 b, vec4 c, bool doubleSided) {
 }
 
 void main() {
-    const uint slot = triangleSlot(gl_WorkGroupID, gl_NumWorkGroups, gl_LocalInvocationID.x);
+    const uint slot = linearThread(gl_WorkGroupID, gl_NumWorkGroups, LS_CULL_GROUP,
+                                   gl_LocalInvocationID.x);
     const uint which = slot / LS_CLUSTER_SLOTS, t = slot % LS_CLUSTER_SLOTS;
-    if (which >= counts.clusters) return;
-    const uint index = visible[which];
-    const GpuCluster cluster = loadCluster(index);
-    if (t >= cluster.triangleCount) return;
-    const bool doubleSided = (index >= params.binStarts[1] && index < params.binStarts[2]) ||
-                             index >= params.binStarts[3];
-    const GpuInstance instance = loadInstance(cluster.instance);
-    const bool reflected = (instance.flags & LS_INSTANCE_REFLECTED) != 0;
-    const GpuTriangle triangle = loadStoredTriangle(cluster.triangles + t);
-    const vec4 a = params.clipFromWorld *
-                   vec4(transformPoint(instance, loadVertex(triangle.a).position), 1);
-    const vec4 b = params.clipFromWorld *
-                   vec4(transformPoint(instance, loadVertex(triangle.b).position), 1);
-    const vec4 c = params.clipFromWorld *
-                   vec4(transformPoint(instance, loadVertex(triangle.c).position), 1);
-    if (!canCoverAPixel(a, reflected ? c : b, reflected ? b : c, doubleSided)) return;
-    atomicOr(masks[4 * which + t / 32], 1u << (t & 31));
-    atomicAdd(triangleCounts[which], 1);
+    const bool second = push.phase == 1;
+    if (which >= counts.lists[second ? LS_LIST_CLUSTERS_2 : LS_LIST_CLUSTERS].count) return;
+    const GpuCluster cluster =
+        loadCluster(push.table + which + (second ? counts.lists[LS_LIST_CLUSTERS].count : 0));
+    const bool doubleSided = (cluster.bin & 1) != 0;  // of scene::DrawBin
+    // A loop of one round: a CPU driver runs both sides of a branch, but leaves a loop that no lane
+    // is in. Half of the slots are empty.
+    for (uint i = t; i < cluster.triangleCount; i += LS_CLUSTER_SLOTS) {
+        bool drawn = params.mode == LS_CULL_NONE;
+        if (!drawn) {
+            const GpuInstance instance = loadInstance(cluster.instance);
+            const bool reflected = (instance.flags & LS_INSTANCE_REFLECTED) != 0;
+            const GpuTriangle triangle = loadStoredTriangle(cluster.triangles + i);
+            const vec4 a = params.clipFromWorld *
+                           vec4(transformPoint(instance, loadVertex(triangle.a).position), 1);
+            const vec4 b = params.clipFromWorld *
+                           vec4(transformPoint(instance, loadVertex(triangle.b).position), 1);
+            const vec4 c = params.clipFromWorld *
+                           vec4(transformPoint(instance, loadVertex(triangle.c).position), 1);
+            drawn = canCoverAPixel(a, reflected ? c : b, reflected ? b : c, doubleSided);
+        }
+        if (drawn) {
+            atomicOr(masks[4 * which + i / 32], 1u << (i & 31));
+            atomicAdd(triangleCounts[which], 1);
+        }
+    }
 }

@@ -11,22 +11,56 @@ struct DrawCommand {
     uint vertexCount, instanceCount, firstVertex, firstInstance;
 };
 
-layout(binding = 0, scalar) readonly buffer Visible { uint visible[]; };
-layout(binding = 1, scalar) readonly buffer Counts { VisibleCounts counts; };
+layout(binding = 0) uniform usamplerBuffer clusters;
+layout(binding = 1, scalar) readonly buffer Counts { CullCounts counts; };
 layout(binding = 2, scalar) readonly buffer Masks { uvec4 masks[]; };
 layout(binding = 3, scalar) readonly buffer Offsets { uint offsets[]; };
 layout(binding = 4, scalar) writeonly buffer Ids { uint ids[]; };
-layout(binding = 5, scalar) writeonly buffer Draws { DrawCommand draws[4]; };
+layout(binding = 5, scalar) writeonly buffer Draws { DrawCommand draws[8]; };  // four a phase
+layout(push_constant, scalar) uniform Push {
+    PhaseParams push;
+    uint totals;
+};
+
+struct Lists {
+    uint clusters, firstCluster, triangles, firstTriangle;
+};
+
+Lists listsOf(uint phase) {
+    if (phase == 0)
+        return Lists(counts.lists[LS_LIST_CLUSTERS].count, push.table, counts.lists[LS_LIST_TRIANGLES].count,
+                     0);
+    return Lists(counts.lists[LS_LIST_CLUSTERS_2].count, push.table + counts.lists[LS_LIST_CLUSTERS].count,
+                 counts.lists[LS_LIST_TRIANGLES_2].count, counts.lists[LS_LIST_TRIANGLES].count);
+}
+
+uint offsetOf(uint cluster) { return offsets[cluster] + offsets[totals + cluster / LS_BLOCK]; }
+
+/// First triangle of a bin. Clusters stand in the order of their bins.
+uint binStart(Lists lists, uint bin) {
+    uint low = 0, high = lists.clusters;
+    while (low < high) {
+        const uint middle = (low + high) / 2;
+        if (texelFetch(clusters, int(2 * (lists.firstCluster + middle) + 1)).z < bin)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low < lists.clusters ? min(offsetOf(low), lists.triangles) : lists.triangles;
+}
 
 void main() {
-    const uint slot = triangleSlot(gl_WorkGroupID, gl_NumWorkGroups, gl_LocalInvocationID.x);
+    const uint slot = linearThread(gl_WorkGroupID, gl_NumWorkGroups, LS_CULL_GROUP,
+                                   gl_LocalInvocationID.x);
+    const Lists lists = listsOf(push.phase);
     if (slot < 4) {
-        const uint begin = offsets[counts.binStarts[slot]];
-        const uint end = offsets[counts.binStarts[slot + 1]];
-        draws[slot] = DrawCommand(3 * (end - begin), 1, 3 * begin, 0);
+        const uint begin = binStart(lists, slot), end = binStart(lists, slot + 1);
+        draws[4 * push.phase + slot] =
+            DrawCommand(3 * (end - begin), 1, 3 * (lists.firstTriangle + begin), 0);
+        if (push.phase == 0) draws[4 + slot] = DrawCommand(0, 1, 0, 0);
     }
     const uint which = slot / LS_CLUSTER_SLOTS, t = slot % LS_CLUSTER_SLOTS;
-    if (which >= counts.clusters) return;
+    if (which >= lists.clusters) return;
     const uvec4 mask = masks[which];
     const uint word = t / 32, bit = 1u << (t & 31);
     if ((mask[word] & bit) == 0) return;
@@ -35,5 +69,7 @@ void main() {
     const uvec4 earlier = uvec4(word > 0, word > 1, word > 2, false) * mask;
     const ivec4 bits = bitCount(earlier);
     const uint rank = uint(bits.x + bits.y + bits.z + bitCount(mask[word] & (bit - 1)));
-    ids[offsets[which] + rank] = visible[which] << LS_TRIANGLE_BITS | t;
+    const uint place = offsetOf(which) + rank;
+    if (place >= lists.triangles) return;
+    ids[lists.firstTriangle + place] = (lists.firstCluster + which) << LS_TRIANGLE_BITS | t;
 }

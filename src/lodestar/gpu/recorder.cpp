@@ -113,11 +113,12 @@ void Recorder::bind(const Kernel& kernel, const std::vector<Binding>& bindings,
 void Recorder::beginRendering(const Target& target) {
     const vk::Extent2D extent =
         target.depth.view ? target.depth.extent : target.colors.at(0).extent;
-    const auto attachment = [](const View& view) {
-        return vk::RenderingAttachmentInfo{.imageView = view.view,
-                                           .imageLayout = vk::ImageLayout::eGeneral,
-                                           .loadOp = vk::AttachmentLoadOp::eClear,
-                                           .storeOp = vk::AttachmentStoreOp::eStore};
+    const auto attachment = [&](const View& view) {
+        return vk::RenderingAttachmentInfo{
+            .imageView = view.view,
+            .imageLayout = vk::ImageLayout::eGeneral,
+            .loadOp = target.keep ? vk::AttachmentLoadOp::eLoad : vk::AttachmentLoadOp::eClear,
+            .storeOp = vk::AttachmentStoreOp::eStore};
     };
     std::vector<vk::RenderingAttachmentInfo> colors;
     for (const View& color : target.colors) colors.push_back(attachment(color));

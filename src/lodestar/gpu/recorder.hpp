@@ -63,22 +63,32 @@ public:
         commands.dispatch(groups.width, groups.height, groups.depth);
     }
 
-    /// The number of workgroups is three words at the start of `groups`, visible to indirect.
+    /// The number of workgroups is three words at `offset` of `groups`, visible to indirect.
+    template <typename Params>
+    void dispatchIndirect(const Kernel& kernel, const Buffer& groups, std::uint64_t offset,
+                          const std::vector<Binding>& bindings, const Params& params) {
+        bind(kernel, bindings, std::as_bytes(std::span(&params, 1)));
+        commands.dispatchIndirect(groups.vk(), offset);
+    }
+    void dispatchIndirect(const Kernel& kernel, const Buffer& groups, std::uint64_t offset,
+                          const std::vector<Binding>& bindings) {
+        bind(kernel, bindings, {});
+        commands.dispatchIndirect(groups.vk(), offset);
+    }
     template <typename Params>
     void dispatchIndirect(const Kernel& kernel, const Buffer& groups,
                           const std::vector<Binding>& bindings, const Params& params) {
-        bind(kernel, bindings, std::as_bytes(std::span(&params, 1)));
-        commands.dispatchIndirect(groups.vk(), 0);
+        dispatchIndirect(kernel, groups, 0, bindings, params);
     }
     void dispatchIndirect(const Kernel& kernel, const Buffer& groups,
                           const std::vector<Binding>& bindings) {
-        bind(kernel, bindings, {});
-        commands.dispatchIndirect(groups.vk(), 0);
+        dispatchIndirect(kernel, groups, 0, bindings);
     }
 
     struct Target {
         std::vector<View> colors;  ///< cleared to 0
         View depth;                ///< cleared to 0, the far end of reversed depth
+        bool keep = false;         ///< do not clear: go on with what is there
     };
     void beginRendering(const Target&);
     void endRendering();
@@ -91,6 +101,12 @@ public:
     }
 
     void fill(const Buffer&, std::uint32_t value);
+    /// Writes a small struct (≤ 64 KiB) to the start of a buffer, as a transfer.
+    template <typename Value>
+    void update(const Buffer& buffer, const Value& value) {
+        static_assert(std::is_trivially_copyable_v<Value> && sizeof(Value) % 4 == 0);
+        commands.updateBuffer<Value>(buffer.vk(), 0, value);
+    }
     void copy(const Buffer& from, const Buffer& to, std::uint64_t bytes);
 
     const vk::raii::CommandBuffer& vk() const { return commands; }

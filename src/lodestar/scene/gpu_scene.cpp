@@ -11,11 +11,14 @@
 
 namespace lodestar::scene {
 
+using shared::GpuChunk;
 using shared::GpuCluster;
 using shared::GpuInstance;
 using shared::GpuLight;
+using shared::GpuLod;
 using shared::GpuMaterial;
 using shared::GpuMaterialRecord;
+using shared::GpuMesh;
 using shared::GpuMeshlet;
 using shared::GpuTextureTransform;
 using shared::GpuTriangle;
@@ -28,12 +31,21 @@ struct GpuScene::Packed {
     std::vector<glm::vec2> secondUvs;
     std::vector<GpuTriangle> triangles;
     std::vector<GpuMeshlet> meshlets;
-    std::vector<GpuCluster> clusters;
+    std::vector<GpuMesh> meshes;
+    std::vector<GpuLod> lods;
+    std::vector<GpuCluster> clusters;  // all at the finest level, after the unused one
+    std::array<std::uint32_t, kDrawBins + 1> wholeBins{};
     std::vector<GpuMaterialRecord> materials;
     TextureArrays textures;
     SceneFeatures features;
+    std::vector<std::uint32_t> order;
+    std::vector<glm::uvec2> chunkSpans;
     std::array<std::uint32_t, kDrawBins + 1> bins{};
-    std::uint32_t trianglesDrawn = 0;
+    std::uint64_t clustersDrawn = 0, trianglesDrawn = 0;
+    std::size_t lodsMost = 1;
+
+    void add(const Mesh&, const Material&, const MeshLods&);
+    void arrange(const Scene&);
 };
 
 namespace {
@@ -145,62 +157,132 @@ gpu::Image uploadTextures(const gpu::Device& device, const TextureArray& array, 
 
 }  // namespace
 
+void GpuScene::Packed::add(const Mesh& mesh, const Material& material, const MeshLods& chain) {
+    const auto number = [](std::size_t n) { return static_cast<std::uint32_t>(n); };
+    const std::uint32_t firstVertex = number(vertices.size());
+    for (const Vertex& v : mesh.vertices) {
+        vertices.push_back({v.position, shared::packNormal(v.normal)});
+        attributes.push_back({v.uv0, shared::packTangent(v.tangent), glm::packUnorm4x8(v.color)});
+        secondUvs.push_back(v.uv1);
+    }
+    const bool empty = mesh.bounds.empty();
+    float radius = 0;
+    const glm::vec3 centre = empty ? glm::vec3(0) : mesh.bounds.centre();
+    for (const std::uint32_t index : mesh.indices)
+        radius = std::max(radius, glm::distance(centre, mesh.vertices[index].position));
+    meshes.push_back({.centre = centre,
+                      .radius = radius * (1 + 1e-6f) + 1e-7f * glm::length(centre),
+                      .firstLod = number(lods.size()),
+                      .lodCount = number(chain.levels.size()),
+                      .bin = std::uint32_t(binOf(material))});
+    lodsMost = std::max(lodsMost, chain.levels.size());
+    for (std::size_t level = 0; level < chain.levels.size(); ++level) {
+        const MeshletSet& set = chain.levels[level].meshlets;
+        lods.push_back({.firstMeshlet = number(meshlets.size()),
+                        .meshletCount = number(set.meshlets.size()),
+                        .error = chain.levels[level].error});
+        for (const Meshlet& m : set.meshlets) {
+            // A double-sided meshlet that faces away is seen from behind.
+            meshlets.push_back({.centre = m.centre,
+                                .radius = m.radius,
+                                .coneAxis = m.coneAxis,
+                                .coneCutoff = material.doubleSided ? 1.0f : m.coneCutoff,
+                                .triangles = number(triangles.size()),
+                                .triangleCount = m.triangleCount,
+                                .material = mesh.material,
+                                .lod = number(level)});
+            const std::uint32_t* local = &set.vertices[m.vertexOffset];
+            for (std::uint32_t i = 0; i < m.triangleCount; ++i) {
+                const std::uint32_t t = set.triangles[m.triangleOffset + i];
+                triangles.push_back({firstVertex + local[t & 255],
+                                     firstVertex + local[t >> 8 & 255],
+                                     firstVertex + local[t >> 16 & 255], 0});
+            }
+        }
+    }
+}
+
+/// Instances by bin, then along a Morton curve, cut into chunks: neighbours are culled together.
+void GpuScene::Packed::arrange(const Scene& scene) {
+    const auto count = static_cast<std::uint32_t>(scene.instances.size());
+    const std::vector<glm::mat4> worldFromNodes = worldFromNode(scene);
+    const Bounds box = worldBounds(scene, worldFromNodes);
+    const glm::vec3 scale = 1023.0f / glm::max(box.upper - box.lower, glm::vec3(1e-20f));
+    const auto spread = [](std::uint32_t v) {  // ten bits, two zeros between each
+        v = (v | v << 16) & 0x30000ffu;
+        v = (v | v << 8) & 0x300f00fu;
+        v = (v | v << 4) & 0x30c30c3u;
+        return (v | v << 2) & 0x9249249u;
+    };
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> keys(count);  // bin and place, instance
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const Instance& instance = scene.instances[i];
+        const GpuMesh& mesh = meshes[instance.mesh];
+        const glm::vec3 at(worldFromNodes[instance.node] * instance.nodeFromObject *
+                           glm::vec4(mesh.centre, 1));
+        const glm::vec3 cell = (at - box.lower) * scale;
+        std::uint32_t key = mesh.bin << 30;
+        for (int axis = 0; axis < 3; ++axis)  // a comparison with NaN fails: cell 0
+            if (cell[axis] > 0)
+                key |= spread(static_cast<std::uint32_t>(std::min(cell[axis], 1023.0f))) << axis;
+        keys[i] = {key, i};
+        const std::uint32_t level = mesh.firstLod;
+        clustersDrawn += lods[level].meshletCount;
+        trianglesDrawn += scene.meshes[instance.mesh].indices.size() / 3;
+    }
+    std::sort(keys.begin(), keys.end());
+    order.resize(count);
+    std::uint32_t bin = 0;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        order[i] = keys[i].second;
+        const std::uint32_t own = keys[i].first >> 30;
+        const bool begins =
+            chunkSpans.empty() || own != bin || chunkSpans.back().y == shared::LS_CHUNK;
+        for (; bin < own; ++bin) bins[bin + 1] = static_cast<std::uint32_t>(chunkSpans.size());
+        if (begins) chunkSpans.push_back({i, 0});
+        ++chunkSpans.back().y;
+    }
+    for (; bin < kDrawBins; ++bin) bins[bin + 1] = static_cast<std::uint32_t>(chunkSpans.size());
+
+    // In the order in which Cull lists them all.
+    clusters.reserve(std::min(clustersDrawn, kMaxVisibleClusters) + 1);
+    clusters.push_back({});
+    wholeBins.fill(1);
+    for (const std::uint32_t i : order) {
+        const GpuMesh& mesh = meshes[scene.instances[i].mesh];
+        const GpuLod& lod = lods[mesh.firstLod];
+        for (std::uint32_t m = lod.firstMeshlet; m < lod.firstMeshlet + lod.meshletCount; ++m) {
+            if (clusters.size() > kMaxVisibleClusters) break;
+            clusters.push_back({.instance = i,
+                                .meshlet = m,
+                                .triangles = meshlets[m].triangles,
+                                .material = meshlets[m].material,
+                                .triangleCount = meshlets[m].triangleCount,
+                                .bin = mesh.bin});
+        }
+        for (std::size_t later = mesh.bin + 1; later <= kDrawBins; ++later)
+            wholeBins[later] = static_cast<std::uint32_t>(clusters.size());
+    }
+}
+
 GpuScene::GpuScene(const gpu::Device& device, const Scene& scene,
-                   const std::function<void(const char*, int, int)>& progress)
+                   const std::function<void(const char*, int, int)>& progress,
+                   const LodSettings& settings)
     : GpuScene(device, scene, [&] {
+          if (scene.instances.size() > shared::LS_MAX_INSTANCES)
+              throw std::invalid_argument("GpuScene: more than 33,554,432 instances");
           const auto say = [&](const char* what, std::size_t done, std::size_t of) {
               if (progress) progress(what, static_cast<int>(done), static_cast<int>(of));
           };
           Packed packed;
-          std::vector<std::uint32_t> firstMeshlet;
-          std::vector<GpuCluster> clusterOf;  // of each meshlet, without the instance
-          for (const Mesh& mesh : scene.meshes) {
-              say("meshlets", firstMeshlet.size(), scene.meshes.size());
-              firstMeshlet.push_back(static_cast<std::uint32_t>(packed.meshlets.size()));
-              const auto firstVertex = static_cast<std::uint32_t>(packed.vertices.size());
-              for (const Vertex& v : mesh.vertices) {
-                  packed.vertices.push_back({v.position, shared::packNormal(v.normal)});
-                  packed.attributes.push_back(
-                      {v.uv0, shared::packTangent(v.tangent), glm::packUnorm4x8(v.color)});
-                  packed.secondUvs.push_back(v.uv1);
-              }
-              // A double-sided meshlet that faces away is seen from behind.
-              const auto coneCutoff = [&](const Meshlet& m) {
-                  return scene.materials[mesh.material].doubleSided ? 1.0f : m.coneCutoff;
-              };
-              const MeshletSet set = buildMeshlets(mesh);
-              for (const Meshlet& m : set.meshlets) {
-                  clusterOf.push_back(
-                      {.meshlet = static_cast<std::uint32_t>(packed.meshlets.size()),
-                       .triangles = static_cast<std::uint32_t>(packed.triangles.size()),
-                       .material = mesh.material,
-                       .triangleCount = m.triangleCount});
-                  packed.meshlets.push_back({m.centre, m.radius, m.coneAxis, coneCutoff(m)});
-                  const std::uint32_t* local = &set.vertices[m.vertexOffset];
-                  for (std::uint32_t i = 0; i < m.triangleCount; ++i) {
-                      const std::uint32_t t = set.triangles[m.triangleOffset + i];
-                      packed.triangles.push_back({firstVertex + local[t & 255],
-                                                  firstVertex + local[t >> 8 & 255],
-                                                  firstVertex + local[t >> 16 & 255], 0});
-                  }
-              }
-          }
-          firstMeshlet.push_back(static_cast<std::uint32_t>(packed.meshlets.size()));
-
-          packed.clusters.push_back({});
-          for (std::size_t bin = 0; bin < kDrawBins; ++bin) {
-              packed.bins[bin] = static_cast<std::uint32_t>(packed.clusters.size());
-              for (std::uint32_t i = 0; i < scene.instances.size(); ++i) {
-                  const std::uint32_t mesh = scene.instances[i].mesh;
-                  if (binOf(scene.materials[scene.meshes[mesh].material]) != DrawBin(bin)) continue;
-                  for (std::uint32_t m = firstMeshlet[mesh]; m < firstMeshlet[mesh + 1]; ++m) {
-                      packed.clusters.push_back(clusterOf[m]);
-                      packed.clusters.back().instance = i;
-                      packed.trianglesDrawn += clusterOf[m].triangleCount;
-                  }
-              }
-          }
-          packed.bins[kDrawBins] = static_cast<std::uint32_t>(packed.clusters.size());
+          say("levels of detail", 0, scene.meshes.size());
+          const std::vector<MeshLods> chains =
+              buildSceneLods(scene, settings, [&](int done, int of) {
+                  if (progress) progress("levels of detail", done, of);
+              });
+          for (std::size_t i = 0; i < scene.meshes.size(); ++i)
+              packed.add(scene.meshes[i], scene.materials[scene.meshes[i].material], chains[i]);
+          packed.arrange(scene);
 
           say("textures", 0, scene.textures.size());
           packed.textures = buildTextureArrays(scene);
@@ -219,16 +301,24 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene, Packed&& packe
       triangles(gpu::makeTexelBuffer(device, "triangles", packed.triangles, kWords)),
       meshlets(gpu::makeTexelBuffer(device, "meshlets", packed.meshlets, kWords)),
       instances(device, "instances", scene.instances.size() * sizeof(GpuInstance), kWords),
-      clusters(gpu::makeTexelBuffer(device, "clusters", packed.clusters, kWords)),
       materials(gpu::makeTexelBuffer(device, "materials", packed.materials, kWords)),
+      meshes(gpu::makeTexelBuffer(device, "meshes", packed.meshes, kWords)),
+      lods(gpu::makeTexelBuffer(device, "levels of detail", packed.lods, kWords)),
+      chunks(device, "chunks", packed.chunkSpans.size() * sizeof(GpuChunk), kWords),
+      drawOrder(gpu::makeTexelBuffer(device, "draw order", packed.order, vk::Format::eR32Uint)),
+      clusters(device, "visible clusters", 3 * sizeof(GpuCluster) * packed.clusters.size(), kWords),
       secondUvs(
           gpu::makeTexelBuffer(device, "second uvs", packed.secondUvs, vk::Format::eR32G32Sfloat)),
       lights(device, "lights", scene.lights.size() * sizeof(GpuLight)),
       source(&scene),
       sceneFeatures(packed.features),
       bins(packed.bins),
-      clustersUsed(static_cast<std::uint32_t>(packed.clusters.size())),
-      trianglesDrawn(packed.trianglesDrawn) {
+      order(std::move(packed.order)),
+      wholeBins(packed.wholeBins),
+      chunkSpans(std::move(packed.chunkSpans)),
+      clustersDrawn(packed.clustersDrawn),
+      trianglesDrawn(packed.trianglesDrawn),
+      lodsMost(packed.lodsMost) {
     for (std::size_t i = 0; i < packed.textures.arrays.size(); ++i)
         textureArrays.push_back(uploadTextures(device, packed.textures.arrays[i], i));
     if (textureArrays.empty()) {
@@ -236,6 +326,7 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene, Packed&& packe
             .width = 1, .height = 1, .layers = 1, .mipLevels = 1, .texels = {255, 255, 255, 255}};
         textureArrays.push_back(uploadTextures(device, white, 0));
     }
+    clusters.buffer().upload(packed.clusters);
     animate(0);
 }
 
@@ -245,6 +336,7 @@ void GpuScene::animate(float seconds) {
     worldFromNodes = std::move(now);
     worldBox = worldBounds(*source, worldFromNodes);
     instances.buffer().upload(packInstances());
+    chunks.buffer().upload(packChunks());
     const auto packedLights = packLights();
     lightsUsed = static_cast<std::uint32_t>(packedLights.size());
     lights.upload(packedLights);
@@ -277,9 +369,43 @@ std::vector<GpuInstance> GpuScene::packInstances() const {
              .row2 = rows[2],
              .maxScale = bound,
              .flags = (glm::determinant(linear) < 0 ? shared::LS_INSTANCE_REFLECTED : 0) |
-                      (uniform ? shared::LS_INSTANCE_CONE_VALID : 0)});
+                      (uniform ? shared::LS_INSTANCE_CONE_VALID : 0),
+             .mesh = instance.mesh});
     }
     return packed;
+}
+
+std::vector<GpuChunk> GpuScene::packChunks() const {
+    std::vector<GpuChunk> packed;
+    packed.reserve(chunkSpans.size());
+    for (const glm::uvec2 span : chunkSpans) {
+        Bounds box;
+        for (std::uint32_t i = span.x; i < span.x + span.y; ++i) {
+            const Instance& instance = source->instances[order[i]];
+            const Mesh& mesh = source->meshes[instance.mesh];
+            if (!mesh.bounds.empty())
+                box.add(mesh.bounds.transformed(worldFromNodes[instance.node] *
+                                                instance.nodeFromObject));
+        }
+        const glm::vec3 centre = box.empty() ? glm::vec3(0) : box.centre();
+        packed.push_back({.centre = centre,
+                          .radius = box.radius() * (1 + 1e-5f) + 1e-6f * glm::length(centre),
+                          .first = span.x,
+                          .count = span.y});
+    }
+    return packed;
+}
+
+std::uint32_t GpuScene::clusterCapacity() const {
+    return static_cast<std::uint32_t>(std::min(clustersDrawn, kMaxVisibleClusters) + 1);
+}
+
+std::uint32_t GpuScene::tableStart(TablePart part) const {
+    return part == TablePart::whole ? 1 : static_cast<std::uint32_t>(part) * clusterCapacity();
+}
+
+std::uint32_t GpuScene::triangleCapacity() const {
+    return static_cast<std::uint32_t>(std::min(trianglesDrawn, kMaxVisibleTriangles));
 }
 
 std::vector<GpuLight> GpuScene::packLights() const {

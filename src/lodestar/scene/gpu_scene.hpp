@@ -8,6 +8,7 @@
 #include <lodestar/scene/gpu_types.h>
 #include <lodestar/gpu/buffer.hpp>
 #include <lodestar/gpu/image.hpp>
+#include <lodestar/scene/mesh_lods.hpp>
 #include <lodestar/scene/scene.hpp>
 
 namespace lodestar::scene {
@@ -15,6 +16,13 @@ namespace lodestar::scene {
 /// Clusters drawn with the same pipeline stand together, in this order.
 enum class DrawBin { opaque, opaqueDoubleSided, masked, maskedDoubleSided };
 inline constexpr std::size_t kDrawBins = 4;
+
+/// Parts of the table of clusters that triangle ids name.
+enum class TablePart {
+    whole,  ///< every meshlet at the finest level, by the same numbers always
+    eye,    ///< what the view culled last lists
+    light,  ///< the same, for views that are culled between the eye's and its last reader
+};
 
 /// What shaders need to know about a scene when they are compiled (specialization constants), so
 /// that a scene pays only for what it has.
@@ -30,13 +38,21 @@ struct SceneFeatures {
     bool punctualLights = false;
 };
 
-/// A scene in GPU memory: vertices, meshlets, instances, clusters, materials, texture arrays.
+/// The most a view can list, whatever the scene holds: what the lists of a frame may take in
+/// memory. What does not fit is left out and counted (geometry::CullCounts).
+inline constexpr std::uint64_t kMaxVisibleClusters = 1 << 21;
+inline constexpr std::uint64_t kMaxVisibleTriangles = 1 << 25;
+
+/// A scene in GPU memory: vertices, levels of detail, meshlets, instances, materials, texture
+/// arrays.
 class GpuScene {
 public:
-    /// Cuts the meshes into meshlets, builds the texture mips and uploads everything.
-    /// `progress` (may be empty) hears of each step: what, done, of how many.
+    /// Builds (or finds in the cache) the levels of detail, builds the texture mips and uploads
+    /// everything. `progress` (may be empty) hears of each step: what, done, of how many. Throws
+    /// std::invalid_argument for more than LS_MAX_INSTANCES instances.
     GpuScene(const gpu::Device&, const Scene&,
-             const std::function<void(const char*, int, int)>& progress = {});
+             const std::function<void(const char*, int, int)>& progress = {},
+             const LodSettings& lods = {});
 
     /// Moves the instances to where the animation has them at `seconds`. Waits for the device.
     void animate(float seconds);
@@ -50,17 +66,31 @@ public:
     /// this stays.
     std::uint64_t version() const { return changes; }
 
-    std::uint32_t clusterCount() const { return clustersUsed; }  ///< including the unused cluster 0
-    std::uint32_t triangleCount() const { return trianglesDrawn; }  ///< of all clusters
+    /// Meshlets and triangles of all instances at the finest level.
+    std::uint64_t clusterCount() const { return clustersDrawn; }
+    std::uint64_t triangleCount() const { return trianglesDrawn; }
+    /// Places in a part of `clusters`, and an unused one; triangles a view can list.
+    std::uint32_t clusterCapacity() const;
+    std::uint32_t triangleCapacity() const;
+    /// Number of the first cluster of a part; of the whole, each bin's first, and the end.
+    std::uint32_t tableStart(TablePart) const;
+    const std::array<std::uint32_t, kDrawBins + 1>& wholeBinStarts() const { return wholeBins; }
+    std::size_t lodCount() const { return lodsMost; }  ///< of the mesh that has most
     std::uint32_t instanceCount() const {
         return static_cast<std::uint32_t>(source->instances.size());
     }
-    /// First cluster of each bin; the last entry is clusterCount().
+    std::uint32_t chunkCount() const { return bins.back(); }
+    /// First chunk of instances of each bin; the last entry is chunkCount().
     const std::array<std::uint32_t, kDrawBins + 1>& binStarts() const { return bins; }
     std::uint32_t lightCount() const { return lightsUsed; }
 
-    gpu::TexelBuffer vertices, attributes, triangles, meshlets, instances, clusters,
-        materials;               ///< the records of gpu_types.h
+    gpu::TexelBuffer vertices, attributes, triangles, meshlets, instances, materials, meshes, lods,
+        chunks;                  ///< the records of gpu_types.h
+    gpu::TexelBuffer drawOrder;  ///< numbers of the instances, those of a chunk together
+    /// What ids name: GpuCluster records, the parts of TablePart one after another. Those of the
+    /// eye and of lights are written on the device by geometry::Cull for each view, so whoever
+    /// reads ids of one must do so before another view is culled into the same part.
+    gpu::TexelBuffer clusters;
     gpu::TexelBuffer secondUvs;  ///< vec2 a vertex; a dummy where no material uses them
     gpu::Buffer lights;
     std::vector<gpu::Image> textureArrays;  ///< at least one, so that bindings are never empty
@@ -71,6 +101,7 @@ private:
     struct Packed;
     GpuScene(const gpu::Device&, const Scene&, Packed&&);
     std::vector<shared::GpuInstance> packInstances() const;
+    std::vector<shared::GpuChunk> packChunks() const;
     std::vector<shared::GpuLight> packLights() const;
 
     const Scene* source;
@@ -78,7 +109,12 @@ private:
     Bounds worldBox;
     SceneFeatures sceneFeatures;
     std::array<std::uint32_t, kDrawBins + 1> bins{};
-    std::uint32_t clustersUsed = 0, trianglesDrawn = 0, lightsUsed = 0;
+    std::vector<std::uint32_t> order;  ///< what drawOrder holds
+    std::array<std::uint32_t, kDrawBins + 1> wholeBins{};
+    std::vector<glm::uvec2> chunkSpans;  ///< first and count of each chunk, in `order`
+    std::uint64_t clustersDrawn = 0, trianglesDrawn = 0;
+    std::size_t lodsMost = 1;
+    std::uint32_t lightsUsed = 0;
     std::uint64_t changes = 0;
 };
 

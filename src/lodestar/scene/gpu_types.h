@@ -37,16 +37,54 @@ struct GpuMeshlet {
     float radius;
     vec3 coneAxis;
     float coneCutoff;
+    uint triangles;  // first of its GpuTriangles
+    uint triangleCount;
+    uint material;
+    uint lod;  // of its mesh, 0 = finest
 };
 
-/// A meshlet of an instance: what is culled, drawn and named in triangle ids.
+const uint LS_MAX_LODS = 15u;
+
+struct GpuMesh {
+    vec3 centre;  // object space
+    float radius;
+    uint firstLod;
+    uint lodCount;
+    uint bin;  // scene::DrawBin
+    uint unused;
+};
+
+/// One level of detail of a mesh.
+struct GpuLod {
+    uint firstMeshlet;
+    uint meshletCount;
+    float error;  // how far the surface may lie from that of level 0, object units
+    uint unused;
+};
+
+/// Up to LS_CHUNK instances near one another that are drawn with the same pipeline.
+struct GpuChunk {
+    vec3 centre;  // world
+    float radius;
+    uint first;  // in the order of drawing
+    uint count;
+    uint unused0, unused1;
+};
+
+const uint LS_CHUNK = 64u;
+const uint LS_MAX_INSTANCES = 1u << 25;
+
+/// A visible meshlet of an instance: what is drawn and named in triangle ids. Records are written
+/// anew for every view (geometry/cull.hpp).
 struct GpuCluster {
     uint instance;
     uint meshlet;
     uint triangles;  // first of its GpuTriangles
     uint material;
     uint triangleCount;
-    uint unused0, unused1, unused2;
+    uint lod;
+    uint bin;  // scene::DrawBin
+    uint unused;
 };
 
 const uint LS_INSTANCE_REFLECTED = 1u;   // negative determinant: the winding turns around
@@ -56,7 +94,8 @@ struct GpuInstance {
     vec4 row0, row1, row2;  // world from object, an affine matrix by rows
     float maxScale;         // of the matrix, for bounding spheres
     uint flags;
-    uint unused0, unused1;
+    uint mesh;
+    uint unused;
 };
 
 const uint LS_WRAP_REPEAT = 0u;
@@ -114,7 +153,8 @@ struct GpuMaterialRecord {
     GpuTextureTransform transforms[5];
 };
 static_assert(sizeof(GpuVertex) == 16 && sizeof(GpuVertexAttributes) == 16);
-static_assert(sizeof(GpuTriangle) == 16 && sizeof(GpuMeshlet) == 32 && sizeof(GpuCluster) == 32);
+static_assert(sizeof(GpuTriangle) == 16 && sizeof(GpuMeshlet) == 48 && sizeof(GpuCluster) == 32);
+static_assert(sizeof(GpuMesh) == 32 && sizeof(GpuLod) == 16 && sizeof(GpuChunk) == 32);
 static_assert(sizeof(GpuInstance) == 64 && sizeof(GpuMaterial) == 80);
 static_assert(sizeof(GpuMaterialRecord) == 16 * LS_MATERIAL_WORDS);
 static_assert(sizeof(GpuLight) == 52);

@@ -37,5 +37,8 @@ struct MeshletSet {
 /// Cuts every triangle of `mesh` into exactly one meshlet (degenerate ones included).
 /// The result is a function of the mesh alone.
 MeshletSet buildMeshlets(const Mesh& mesh);
+/// The same for other triangles over the vertices of a mesh.
+MeshletSet buildMeshlets(const std::vector<Vertex>& vertices,
+                         const std::vector<std::uint32_t>& indices);
 
 }  // namespace lodestar::scene

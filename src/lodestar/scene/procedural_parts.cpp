@@ -71,7 +71,8 @@ Surface inside(Surface surface) {
 Surface lathe(Profile profile) {
     return [profile = std::move(profile)](double u, double v) {
         const glm::dvec2 p = profile(v);
-        return glm::dvec3(p.x * std::sin(2 * pi * u), p.y, p.x * std::cos(2 * pi * u));
+        const double turn = 2 * pi * (u - std::floor(u));  // closed to the bit at u = 1
+        return glm::dvec3(p.x * std::sin(turn), p.y, p.x * std::cos(turn));
     };
 }
 

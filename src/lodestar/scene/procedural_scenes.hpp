@@ -21,4 +21,15 @@ Scene buildSpheres();
 /// to 130,050 and within 0.5 % above; at most 16 meshes are stored, since the field repeats.
 Scene buildGrid(std::uint64_t triangles);
 
+inline constexpr std::uint64_t kMaxInstances = 20'000'000;
+inline constexpr std::uint64_t kMountainObjects = 8000;
+
+/// `count` objects of four kinds, one a square metre of a plain. The camera `near` sees about
+/// 10,000 of them however many there are.
+Scene buildInstances(std::uint64_t count);
+
+/// A height field of 1 km² of ridges about a valley, with `objects` conifers and rocks where they
+/// would be (Rakos 2010's demo).
+Scene buildMountains(std::uint64_t objects);
+
 }  // namespace lodestar::scene::procedural

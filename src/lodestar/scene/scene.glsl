@@ -28,9 +28,10 @@ GpuTriangle loadStoredTriangle(uint index) {
 }
 
 GpuMeshlet loadMeshlet(uint index) {
-    const vec4 sphere = uintBitsToFloat(texelFetch(sceneMeshlets, int(2 * index)));
-    const vec4 cone = uintBitsToFloat(texelFetch(sceneMeshlets, int(2 * index + 1)));
-    return GpuMeshlet(sphere.xyz, sphere.w, cone.xyz, cone.w);
+    const vec4 sphere = uintBitsToFloat(texelFetch(sceneMeshlets, int(3 * index)));
+    const vec4 cone = uintBitsToFloat(texelFetch(sceneMeshlets, int(3 * index + 1)));
+    const uvec4 rest = texelFetch(sceneMeshlets, int(3 * index + 2));
+    return GpuMeshlet(sphere.xyz, sphere.w, cone.xyz, cone.w, rest.x, rest.y, rest.z, rest.w);
 }
 
 GpuInstance loadInstance(uint index) {
@@ -39,13 +40,13 @@ GpuInstance loadInstance(uint index) {
     return GpuInstance(uintBitsToFloat(texelFetch(sceneInstances, at)),
                        uintBitsToFloat(texelFetch(sceneInstances, at + 1)),
                        uintBitsToFloat(texelFetch(sceneInstances, at + 2)),
-                       uintBitsToFloat(last.x), last.y, 0, 0);
+                       uintBitsToFloat(last.x), last.y, last.z, 0);
 }
 
 GpuCluster loadCluster(uint index) {
     const uvec4 a = texelFetch(sceneClusters, int(2 * index));
     const uvec4 b = texelFetch(sceneClusters, int(2 * index + 1));
-    return GpuCluster(a.x, a.y, a.z, a.w, b.x, 0, 0, 0);
+    return GpuCluster(a.x, a.y, a.z, a.w, b.x, b.y, b.z, 0);
 }
 
 vec3 transformPoint(GpuInstance instance, vec3 p) {

@@ -72,7 +72,7 @@ void main() {
 
     const vec2 ndc = kPoints != 0 ? texelFetch(points, pixel, 0).xy
                                   : (vec2(pixel) + 0.5) / vec2(params.size) * 2 - 1;
-    const vec3 ray = transpose(mat3(view.viewFromWorld)) * vec3(ndc / view.clipScale, -1);
+    const vec3 ray = transpose(mat3(view.viewFromWorld)) * vec3((ndc - view.jitter) / view.clipScale, -1);
     const vec3 direction = normalize(ray);
     const float depth = texelFetch(surfaceDepth, pixel, 0).x;
     const uvec4 material = texelFetch(surfaceMaterial, pixel, 0);

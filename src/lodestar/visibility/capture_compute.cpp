@@ -68,7 +68,7 @@ CaptureCompute::CaptureCompute(const gpu::Device& device, const scene::SceneFeat
 
 std::uint64_t CaptureCompute::Scratch::fixedBytes(const scene::GpuScene& scene) {
     return sizeof(shared::CaptureLarge) * std::uint64_t{shared::LS_CAPTURE_LARGE} +
-           8ull * shared::LS_CAPTURE_JOBS + 4ull * scene.triangleCount() +
+           8ull * shared::LS_CAPTURE_JOBS + 4ull * scene.triangleCapacity() +
            2 * sizeof(shared::CaptureQueueCounts);
 }
 
@@ -80,7 +80,7 @@ CaptureCompute::Scratch::Scratch(const gpu::Device& device, const scene::GpuScen
       large(device, "capture: large triangles",
             sizeof(shared::CaptureLarge) * std::uint64_t{shared::LS_CAPTURE_LARGE}),
       jobs(device, "capture: tiles", 8ull * shared::LS_CAPTURE_JOBS),
-      clipped(device, "capture: triangles to clip", 4ull * scene.triangleCount()) {}
+      clipped(device, "capture: triangles to clip", 4ull * scene.triangleCapacity()) {}
 
 void CaptureCompute::record(gpu::Recorder& rec, const scene::GpuScene& scene,
                             const geometry::DrawList& list, const glm::mat4& clipFromWorld,
@@ -92,11 +92,10 @@ void CaptureCompute::record(gpu::Recorder& rec, const scene::GpuScene& scene,
     if (scratch.words.buffer().bytes() < 8ull * gridC.width * rows)
         throw std::invalid_argument("CaptureCompute::record: scratch is for smaller bands");
     const auto pass = rec.pass("capture");
-    shared::CaptureComputeParams params{.clipFromWorld = clipFromWorld,
-                                        .size = {gridC.width, gridC.height},
-                                        .firstRow = firstRow,
-                                        .rows = rows};
-    std::copy(scene.binStarts().begin(), scene.binStarts().end(), params.binStarts);
+    const shared::CaptureComputeParams params{.clipFromWorld = clipFromWorld,
+                                              .size = {gridC.width, gridC.height},
+                                              .firstRow = firstRow,
+                                              .rows = rows};
 
     rec.fill(scratch.words.buffer(), 0);
     rec.dispatch(args, {1, 1, 1}, {list.draws, scratch.opaqueCounts, scratch.maskedCounts});

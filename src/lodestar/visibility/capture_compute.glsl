@@ -36,9 +36,7 @@ struct Setup {
 };
 
 bool doubleSided(uint id) {
-    const uint cluster = id >> LS_TRIANGLE_BITS;
-    return (cluster >= params.binStarts[1] && cluster < params.binStarts[2]) ||
-           cluster >= params.binStarts[3];
+    return (loadCluster(id >> LS_TRIANGLE_BITS).bin & 1) != 0;  // of scene::DrawBin
 }
 
 ivec2 snapped(vec4 clip) {

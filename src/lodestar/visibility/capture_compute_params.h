@@ -12,10 +12,9 @@ const uint LS_CAPTURE_LOOPS = 256;    // workgroups that share a queue of unknow
 
 struct CaptureComputeParams {
     mat4 clipFromWorld;
-    uvec2 size;         // of grid C
-    uint firstRow;      // of the band, in grid C
-    uint rows;          // of the band
-    uint binStarts[5];  // first cluster of each draw bin, and the end
+    uvec2 size;     // of grid C
+    uint firstRow;  // of the band, in grid C
+    uint rows;      // of the band
 };
 
 /// Of one queue: opaque triangles or alpha-masked ones.
@@ -37,7 +36,7 @@ struct CaptureLarge {
 
 LS_NAMESPACE_END
 #ifdef __cplusplus
-static_assert(sizeof(lodestar::shared::CaptureComputeParams) == 100);
+static_assert(sizeof(lodestar::shared::CaptureComputeParams) == 80);
 static_assert(sizeof(lodestar::shared::CaptureLarge) == 40);
 #endif
 #endif

@@ -59,9 +59,10 @@ CaptureSs::CaptureSs(const gpu::Device& device, const scene::SceneFeatures& feat
 
 void CaptureSs::record(gpu::Recorder& rec, const scene::GpuScene& scene,
                        const geometry::DrawList& list, const glm::mat4& clipFromWorld,
-                       const Target& target, const std::string& name) const {
+                       const Target& target, const std::string& name, Phase phase) const {
     const auto pass = rec.pass(name);
-    gpu::Recorder::Target attachments{.colors = {}, .depth = target.depth};
+    gpu::Recorder::Target attachments{
+        .colors = {}, .depth = target.depth, .keep = phase == Phase::second};
     if (writes == Writes::idsAndDepth) attachments.colors = {target.ids};
     rec.beginRendering(attachments);
     if (target.viewport) rec.vk().setViewport(0, *target.viewport);
@@ -69,8 +70,12 @@ void CaptureSs::record(gpu::Recorder& rec, const scene::GpuScene& scene,
         scene, {list.ids, scene.materials, {scene.textureViews(), sampler}, scene.secondUvs});
     for (std::uint32_t bin = 0; bin < scene::kDrawBins; ++bin) {
         if (scene.binStarts()[bin] == scene.binStarts()[bin + 1]) continue;
-        rec.drawIndirect(pipelines[bin], list.draws, bin * sizeof(vk::DrawIndirectCommand),
-                         bindings, shared::CaptureParams{clipFromWorld});
+        for (const Phase own : {Phase::first, Phase::second}) {
+            if (phase != Phase::both && phase != own) continue;
+            const std::size_t draw = bin + (own == Phase::second ? scene::kDrawBins : 0);
+            rec.drawIndirect(pipelines[bin], list.draws, draw * sizeof(vk::DrawIndirectCommand),
+                             bindings, shared::CaptureParams{clipFromWorld});
+        }
     }
     rec.endRendering();
 }

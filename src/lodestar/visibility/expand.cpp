@@ -54,13 +54,13 @@ void Expand::recordMode(gpu::Recorder& rec, Mode mode, const scene::GpuScene& sc
                         gpu::View ids) const {
     if (from.side != side) throw std::invalid_argument("Expand: record of another rate");
     const auto pass = rec.pass("expand");
-    rec.dispatch(
-        kernels[mode], gpu::groups8x8(ids.extent),
-        scene::withScene(scene, {from.heads, from.lists, ids}),
-        shared::ExpandParams{.clipFromWorld = clipFromWorld,
-                             .base = {from.base.width, from.base.height},
-                             .size = {ids.extent.width, ids.extent.height},
-                             .maskedFrom = scene.binStarts()[std::size_t(scene::DrawBin::masked)]});
+    rec.dispatch(kernels[mode], gpu::groups8x8(ids.extent),
+                 scene::withScene(scene, {from.heads, from.lists, ids}),
+                 shared::ExpandParams{
+                     .clipFromWorld = clipFromWorld,
+                     .base = {from.base.width, from.base.height},
+                     .size = {ids.extent.width, ids.extent.height},
+                     .maskedFrom = scene.wholeBinStarts()[std::size_t(scene::DrawBin::masked)]});
 }
 
 }  // namespace lodestar::visibility

@@ -1,0 +1,495 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <lodestar/scene/mesh_lods.hpp>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <bit>
+#include <cmath>
+#include <condition_variable>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <mutex>
+#include <numeric>
+#include <system_error>
+#include <thread>
+#include <unordered_map>
+
+#include <fmt/format.h>
+#include <meshoptimizer.h>
+
+namespace lodestar::scene {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kGain = 0.8;           // a level must have at most this share of the triangles
+constexpr std::size_t kFewest = 8;      // triangles of which no fewer are made
+constexpr float kAnyError = 1e6f;       // the number of triangles is the goal, not the error
+constexpr std::size_t kCached = 20000;  // indices from which reading is faster than building
+
+using Indices = std::vector<std::uint32_t>;
+
+struct Attempt {
+    Indices indices;
+    float error = 0;
+};
+
+bool gains(const Attempt& attempt, const Indices& before) {
+    return !attempt.indices.empty() &&
+           double(attempt.indices.size()) <= kGain * double(before.size());
+}
+
+const float* positionsOf(const Mesh& mesh) {
+    return &mesh.vertices[0].position.x;
+}
+
+std::size_t half(const Indices& indices) {
+    return (indices.size() / 3 + 1) / 2 * 3;
+}
+
+/// Borders are locked, so that meshes that meet at one (the primitives of an object) still do.
+/// Vertices split at a seam of attributes are moved together by meshoptimizer.
+Attempt collapsed(const float* positions, std::size_t count, std::size_t stride,
+                  const Indices& from, float scale) {
+    Attempt attempt{Indices(from.size())};
+    float error = 0;
+    attempt.indices.resize(meshopt_simplify(attempt.indices.data(), from.data(), from.size(),
+                                            positions, count, stride, half(from), kAnyError,
+                                            meshopt_SimplifyLockBorder, &error));
+    attempt.error = error * scale;
+    return attempt;
+}
+
+/// Vertices at the same place as one, and back: each corner takes that of the vertices at its place
+/// whose normal is nearest to the new face's.
+class Welded {
+public:
+    explicit Welded(const Mesh& m) : mesh(&m), placeOf(m.vertices.size()) {
+        const meshopt_Stream stream{positionsOf(m), sizeof(glm::vec3), sizeof(Vertex)};
+        meshopt_generateVertexRemapMulti(placeOf.data(), m.indices.data(), m.indices.size(),
+                                         m.vertices.size(), &stream, 1);
+        first.assign(m.vertices.size(), kNone);
+        next.assign(m.vertices.size(), kNone);
+        for (std::uint32_t v = static_cast<std::uint32_t>(m.vertices.size()); v-- > 0;) {
+            if (placeOf[v] == ~0u) continue;  // no triangle has it
+            next[v] = first[placeOf[v]];
+            first[placeOf[v]] = v;
+            places = std::max<std::size_t>(places, placeOf[v] + 1);
+        }
+        for (std::size_t place = 0; place < places; ++place)
+            positions.push_back(m.vertices[first[place]].position);
+    }
+
+    Attempt collapsed(const Indices& from, float scale) const {
+        Indices welded(from.size());
+        std::transform(from.begin(), from.end(), welded.begin(),
+                       [&](std::uint32_t v) { return placeOf[v]; });
+        Attempt attempt =
+            scene::collapsed(&positions[0].x, places, sizeof(glm::vec3), welded, scale);
+        for (std::size_t i = 0; i < attempt.indices.size(); i += 3) unweld(&attempt.indices[i]);
+        return attempt;
+    }
+
+private:
+    void unweld(std::uint32_t* triangle) const {
+        const auto at = [&](int i) { return positions[triangle[i]]; };
+        const glm::vec3 normal = glm::cross(at(1) - at(0), at(2) - at(0));
+        std::array<std::uint32_t, 3> own;
+        for (int i = 0; i < 3; ++i) {
+            std::uint32_t best = first[triangle[i]];
+            float bestFit = -INFINITY;
+            for (std::uint32_t v = best; v != kNone; v = next[v]) {
+                const float fit = glm::dot(normal, mesh->vertices[v].normal);
+                if (fit > bestFit) bestFit = fit, best = v;
+            }
+            own[i] = best;
+        }
+        std::copy(own.begin(), own.end(), triangle);
+    }
+
+    const Mesh* mesh;
+    Indices placeOf, first, next;  // vertices at one place as a list
+    std::size_t places = 0;
+    std::vector<glm::vec3> positions;
+};
+
+/// The vertex of a triangle list that is nearest to a point: a kd-tree.
+class Nearest {
+public:
+    Nearest(const Mesh& m, const Indices& to) : mesh(&m), points(to) {
+        std::sort(points.begin(), points.end());
+        points.erase(std::unique(points.begin(), points.end()), points.end());
+        build(0, points.size(), 0);
+    }
+    struct Found {
+        std::uint32_t vertex = 0;
+        float distance2 = INFINITY;
+    };
+    Found find(glm::vec3 p) const {
+        Found best;
+        search(p, 0, points.size(), 0, best);
+        return best;
+    }
+
+private:
+    void build(std::size_t begin, std::size_t end, int axis) {
+        if (end - begin < 2) return;
+        const std::size_t middle = (begin + end) / 2;
+        using Difference = std::ptrdiff_t;
+        std::nth_element(points.begin() + Difference(begin), points.begin() + Difference(middle),
+                         points.begin() + Difference(end), [&](std::uint32_t a, std::uint32_t b) {
+                             return mesh->vertices[a].position[axis] <
+                                    mesh->vertices[b].position[axis];
+                         });
+        build(begin, middle, (axis + 1) % 3);
+        build(middle + 1, end, (axis + 1) % 3);
+    }
+    void search(glm::vec3 p, std::size_t begin, std::size_t end, int axis, Found& best) const {
+        if (begin >= end) return;
+        const std::size_t middle = (begin + end) / 2;
+        const glm::vec3 q = mesh->vertices[points[middle]].position;
+        const float distance2 = glm::dot(p - q, p - q);
+        if (distance2 < best.distance2) best = {points[middle], distance2};
+        const float side = p[axis] - q[axis];
+        const int nextAxis = (axis + 1) % 3;
+        const auto low = [&] { search(p, begin, middle, nextAxis, best); };
+        const auto high = [&] { search(p, middle + 1, end, nextAxis, best); };
+        side < 0 ? low() : high();
+        if (side * side < best.distance2) side < 0 ? high() : low();
+    }
+
+    const Mesh* mesh;
+    Indices points;
+};
+
+/// Weights of the point of a triangle that is nearest to `p` (Ericson 2005, 5.1.5).
+glm::vec3 nearestWeights(glm::vec3 p, glm::vec3 a, glm::vec3 b, glm::vec3 c) {
+    const glm::vec3 ab = b - a, ac = c - a, ap = p - a;
+    const float d1 = glm::dot(ab, ap), d2 = glm::dot(ac, ap);
+    if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
+    const glm::vec3 bp = p - b;
+    const float d3 = glm::dot(ab, bp), d4 = glm::dot(ac, bp);
+    if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
+    const float vc = d1 * d4 - d3 * d2;
+    if (vc <= 0 && d1 >= 0 && d3 <= 0) return {1 - d1 / (d1 - d3), d1 / (d1 - d3), 0};
+    const glm::vec3 cp = p - c;
+    const float d5 = glm::dot(ab, cp), d6 = glm::dot(ac, cp);
+    if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
+    const float vb = d5 * d2 - d1 * d6;
+    if (vb <= 0 && d2 >= 0 && d6 <= 0) return {1 - d2 / (d2 - d6), 0, d2 / (d2 - d6)};
+    const float va = d3 * d6 - d5 * d4;
+    if (va <= 0 && d4 >= d3 && d5 >= d6) {
+        const float w = (d4 - d3) / (d4 - d3 + d5 - d6);
+        return {0, 1 - w, w};
+    }
+    const float sum = va + vb + vc;
+    return sum > 0 ? glm::vec3(va, vb, vc) / sum : glm::vec3(1, 0, 0);
+}
+
+/// What a level looks like beside where it lies: how far its texture has slid, and how wrongly it
+/// is lit and coloured, over how large a patch. As a distance [object units], so that it can be
+/// allowed like an error of position: a texture that slid by a pixel is as visible as an edge that
+/// did, and a patch a pixel wide is not seen however wrong.
+class LooksError {
+public:
+    LooksError(const Mesh& m, bool usesTextures) : mesh(&m), textured(usesTextures) {
+        // Texture widths in a unit of length, over all triangles.
+        double uv = 0, area = 0;
+        for (std::size_t i = 0; i < m.indices.size(); i += 3) {
+            const Vertex &a = m.vertices[m.indices[i]], &b = m.vertices[m.indices[i + 1]],
+                         &c = m.vertices[m.indices[i + 2]];
+            const glm::vec2 ab = b.uv0 - a.uv0, ac = c.uv0 - a.uv0;
+            uv += std::abs(ab.x * ac.y - ab.y * ac.x);
+            area += glm::length(glm::cross(b.position - a.position, c.position - a.position));
+        }
+        density = area > 0 ? float(std::sqrt(uv / area)) : 0;
+    }
+
+    struct Found {
+        float looks = 0;            ///< root of the mean square
+        float offPlace = INFINITY;  ///< of any vertex; infinite unless all were looked at
+    };
+    Found of(const Indices& level) const {
+        const Nearest nearest(*mesh, level);
+        // Triangles at each place, of all the vertices there are at a seam.
+        std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> at;
+        for (std::uint32_t i = 0; i < level.size(); ++i)
+            at[keyOf(mesh->vertices[level[i]].position)].push_back(i / 3);
+        const std::size_t step = std::max<std::size_t>(mesh->indices.size() / kSamples, 1);
+        double sum = 0;
+        float farthest = 0;
+        std::size_t count = 0;
+        for (std::size_t i = 0; i < mesh->indices.size(); i += step, ++count) {
+            const Vertex& v = mesh->vertices[mesh->indices[i]];
+            const Nearest::Found found = nearest.find(v.position);
+            const Difference off =
+                differenceAt(v, at.at(keyOf(mesh->vertices[found.vertex].position)), level,
+                             std::sqrt(found.distance2));
+            sum += double(off.looks) * off.looks;
+            farthest = std::max(farthest, off.place);
+        }
+        if (count == 0) return {0, 0};
+        return {float(std::sqrt(sum / double(count))), step == 1 ? farthest : INFINITY};
+    }
+
+private:
+    static constexpr std::size_t kSamples = 8000;
+    // What a wrong normal counts: with 4, a normal off by 0.25 (14°) over a patch of a pixel is as
+    // bad as an edge that is off by one. Set on builtin:mountains: FLIP is 0.012 at 1 px.
+    static constexpr float kLight = 4.0f;
+
+    static std::uint64_t keyOf(glm::vec3 p) {
+        const glm::vec3 same = p + 0.0f;  // −0 as 0
+        const auto bits = std::bit_cast<std::array<std::uint32_t, 3>>(same);
+        std::uint64_t key = 0;
+        for (const std::uint32_t b : bits) key = (key ^ b) * 0x9e3779b97f4a7c15ull;
+        return key;
+    }
+
+    struct Difference {
+        float looks = INFINITY, place = INFINITY;
+    };
+    /// The least to any of the triangles about the vertex nearest to `v`, which is `apart` from it.
+    Difference differenceAt(const Vertex& v, const std::vector<std::uint32_t>& triangles,
+                            const Indices& level, float apart) const {
+        // As much as it is seen: half a stop of a dark surface is fewer steps of the picture.
+        const float seen = std::sqrt(std::max(glm::dot(glm::vec3(v.color), kLuminance), 0.0f));
+        Difference best;
+        for (const std::uint32_t t : triangles) {
+            const Vertex &a = mesh->vertices[level[3 * t]], &b = mesh->vertices[level[3 * t + 1]],
+                         &c = mesh->vertices[level[3 * t + 2]];
+            const glm::vec3 w = nearestWeights(v.position, a.position, b.position, c.position);
+            const glm::vec3 normal = a.normal * w.x + b.normal * w.y + c.normal * w.z;
+            const float l = glm::length(normal);
+            const float lit = l > 0 ? glm::length(normal / l - v.normal) : 2;
+            const float painted =
+                glm::length(a.color * w.x + b.color * w.y + c.color * w.z - v.color);
+            float off = kLight * (seen * lit + 2 * painted) * apart;
+            if (textured && density > 0) {
+                const glm::vec2 uv = a.uv0 * w.x + b.uv0 * w.y + c.uv0 * w.z;
+                off += glm::length(uv - v.uv0) / density;
+            }
+            best.looks = std::min(best.looks, off);
+            best.place = std::min(
+                best.place,
+                glm::distance(v.position, a.position * w.x + b.position * w.y + c.position * w.z));
+        }
+        return best;
+    }
+
+    static constexpr glm::vec3 kLuminance{0.2126f, 0.7152f, 0.0722f};
+    const Mesh* mesh;
+    bool textured;
+    float density = 0;
+};
+
+/// Clusters vertices. meshoptimizer's error is that of the planes; what vanishes or shrinks is not
+/// in it, so the error here is how far a vertex is from the nearest that is left.
+Attempt clustered(const Mesh& mesh, std::size_t target) {
+    Attempt attempt{Indices(mesh.indices.size())};
+    float error = 0;
+    attempt.indices.resize(meshopt_simplifySloppy(
+        attempt.indices.data(), mesh.indices.data(), mesh.indices.size(), positionsOf(mesh),
+        mesh.vertices.size(), sizeof(Vertex), target, kAnyError, &error));
+    if (attempt.indices.empty()) return attempt;
+    const Nearest left(mesh, attempt.indices);
+    std::vector<bool> seen(mesh.vertices.size());
+    for (const std::uint32_t v : mesh.indices) {
+        if (seen[v]) continue;
+        seen[v] = true;
+        attempt.error =
+            std::max(attempt.error, std::sqrt(left.find(mesh.vertices[v].position).distance2));
+    }
+    return attempt;
+}
+
+bool finite(const Mesh& mesh) {
+    return std::all_of(mesh.vertices.begin(), mesh.vertices.end(), [](const Vertex& v) {
+        return std::isfinite(v.position.x) && std::isfinite(v.position.y) &&
+               std::isfinite(v.position.z);
+    });
+}
+
+bool textured(const Mesh& mesh, const Scene& scene) {
+    const Material& m = scene.materials[mesh.material];
+    for (const TextureUse* use :
+         {&m.baseColorTexture, &m.normalTexture, &m.metallicRoughnessTexture, &m.occlusionTexture,
+          &m.emissiveTexture})
+        if (use->texture != kNone) return true;
+    return false;
+}
+
+/// Welding would smear what a corner says beside its normal.
+bool mayWeld(const Mesh& mesh, bool textured) {
+    return !textured &&
+           std::all_of(mesh.vertices.begin(), mesh.vertices.end(),
+                       [&](const Vertex& v) { return v.color == mesh.vertices[0].color; });
+}
+
+std::vector<std::byte> readFile(const fs::path& path) {
+    std::ifstream file(path, std::ios::binary | std::ios::ate);
+    if (!file) return {};
+    const std::streamoff size = file.tellg();
+    std::vector<std::byte> bytes(static_cast<std::size_t>(std::max<std::streamoff>(size, 0)));
+    file.seekg(0);
+    if (!file.read(reinterpret_cast<char*>(bytes.data()), std::streamsize(bytes.size()))) return {};
+    return bytes;
+}
+
+/// Whole or not at all, whoever else writes it. A cache that cannot be written is no error.
+void writeFile(const fs::path& path, const std::vector<std::byte>& bytes) {
+    static std::atomic<unsigned> count{0};
+    const auto thread = std::hash<std::thread::id>()(std::this_thread::get_id());
+    fs::path draft = path;
+    draft +=
+        fmt::format(".{:x}.{}.{:x}.tmp", thread, count++, reinterpret_cast<std::uintptr_t>(&bytes));
+    std::error_code error;
+    fs::create_directories(path.parent_path(), error);
+    {
+        std::ofstream file(draft, std::ios::binary);
+        file.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
+        if (!file) {
+            fs::remove(draft, error);
+            return;
+        }
+    }
+    fs::rename(draft, path, error);
+    if (error) fs::remove(draft, error);
+}
+
+MeshLods cachedLods(const Mesh& mesh, bool textured, const fs::path& folder) {
+    if (folder.empty() || mesh.indices.size() < kCached) return buildMeshLods(mesh, textured);
+    const fs::path path = folder / "lods" / lodCacheName(mesh, textured);
+    if (const auto bytes = readFile(path); !bytes.empty())
+        if (auto found = decodeLods(bytes, mesh)) return std::move(*found);
+    MeshLods built = buildMeshLods(mesh, textured);
+    writeFile(path, encodeLods(built));
+    return built;
+}
+
+}  // namespace
+
+const char* nameOf(LodMethod method) {
+    switch (method) {
+        case LodMethod::whole:
+            return "whole";
+        case LodMethod::simplified:
+            return "simplified";
+        case LodMethod::welded:
+            return "welded";
+        case LodMethod::sloppy:
+            return "sloppy";
+    }
+    return "";
+}
+
+fs::path userCacheFolder() {
+    if (const char* given = std::getenv("XDG_CACHE_HOME"); given && *given)
+        return fs::path(given) / "lodestar";
+    if (const char* home = std::getenv("HOME"); home && *home)
+        return fs::path(home) / ".cache" / "lodestar";
+    return {};
+}
+
+MeshLods buildMeshLods(const Mesh& mesh, bool textured) {
+    MeshLods lods;
+    lods.levels.push_back({.meshlets = buildMeshlets(mesh)});
+    if (mesh.indices.empty() || !finite(mesh)) return lods;
+
+    const float scale =
+        meshopt_simplifyScale(positionsOf(mesh), mesh.vertices.size(), sizeof(Vertex));
+    const LooksError looks(mesh, textured);
+    const bool weld = mayWeld(mesh, textured);
+    std::optional<Welded> welded;
+    Indices now = mesh.indices;
+    while (lods.levels.size() < kMaxLods && now.size() / 3 > kFewest) {
+        const MeshLod& finer = lods.levels.back();
+        Attempt attempt;
+        LodMethod method = LodMethod::simplified;
+        // Clusters have lost the borders and seams; what follows them is clustered too.
+        if (finer.method != LodMethod::sloppy) {
+            attempt =
+                collapsed(positionsOf(mesh), mesh.vertices.size(), sizeof(Vertex), now, scale);
+            attempt.error += finer.offPlace;  // from the level before, which has its own
+            if (!gains(attempt, now) && weld) {
+                if (!welded) welded.emplace(mesh);
+                attempt = welded->collapsed(now, scale);
+                attempt.error += finer.offPlace;
+                method = LodMethod::welded;
+            }
+        }
+        if (!gains(attempt, now)) {
+            attempt = clustered(mesh, half(now));
+            attempt.error = std::max(attempt.error, finer.offPlace);
+            method = LodMethod::sloppy;
+        }
+        if (!gains(attempt, now) || !std::isfinite(attempt.error)) break;
+        // Collapses tell a bound that adds up from level to level; where every vertex has been
+        // looked at, that is known better.
+        const LooksError::Found found = looks.of(attempt.indices);
+        if (method != LodMethod::sloppy)
+            attempt.error = std::min(attempt.error, std::max(found.offPlace, finer.offPlace));
+        const float error = std::max({finer.error, attempt.error, found.looks});
+        if (!std::isfinite(error)) break;
+        MeshLod lod{buildMeshlets(mesh.vertices, attempt.indices), error, attempt.error, method};
+        if (lod.meshlets.meshlets.size() > finer.meshlets.meshlets.size()) break;
+        lods.levels.push_back(std::move(lod));
+        now = std::move(attempt.indices);
+    }
+    return lods;
+}
+
+std::vector<MeshLods> buildSceneLods(const Scene& scene, const LodSettings& settings,
+                                     const std::function<void(int, int)>& progress) {
+    const std::size_t count = scene.meshes.size();
+    std::vector<MeshLods> all(count);
+    // The largest first, so that none is left for one thread at the end.
+    std::vector<std::size_t> order(count);
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+        return scene.meshes[a].indices.size() > scene.meshes[b].indices.size();
+    });
+    std::atomic<std::size_t> next{0};
+    std::mutex mutex;
+    std::condition_variable finishedOne;
+    std::size_t done = 0;
+    std::exception_ptr failure;
+    const auto work = [&] {
+        for (std::size_t i; (i = next++) < count;) {
+            const Mesh& mesh = scene.meshes[order[i]];
+            try {
+                if (settings.simplify)
+                    all[order[i]] = cachedLods(mesh, textured(mesh, scene), settings.cache);
+                else
+                    all[order[i]].levels.push_back({.meshlets = buildMeshlets(mesh)});
+            } catch (...) {
+                const std::lock_guard lock(mutex);
+                if (!failure) failure = std::current_exception();
+            }
+            const std::lock_guard lock(mutex);
+            ++done;
+            finishedOne.notify_one();
+        }
+    };
+    const std::size_t threads =
+        std::min<std::size_t>(std::max(std::thread::hardware_concurrency(), 1u), count);
+    std::vector<std::thread> pool;
+    for (std::size_t i = 0; i < threads; ++i) pool.emplace_back(work);
+    {
+        std::unique_lock lock(mutex);
+        for (std::size_t told = 0; told < count;) {
+            finishedOne.wait(lock, [&] { return done > told; });
+            told = done;
+            lock.unlock();
+            if (progress) progress(static_cast<int>(told), static_cast<int>(count));
+            lock.lock();
+        }
+    }
+    for (std::thread& thread : pool) thread.join();
+    if (failure) std::rethrow_exception(failure);
+    return all;
+}
+
+}  // namespace lodestar::scene

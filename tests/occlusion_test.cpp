@@ -1,0 +1,134 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <lodestar/frame/frame.hpp>
+#include <lodestar/gpu/readback.hpp>
+
+#include "gpu_device.hpp"
+#include "small_scenes.hpp"
+
+namespace lodestar::frame {
+namespace {
+
+using geometry::CullMode;
+using geometry::LodChoice;
+using scene::Camera;
+using scene::Scene;
+
+constexpr vk::Extent2D kSize{93, 61};
+
+/// A town of blocks with small things among them, some of which move.
+Scene town(std::uint32_t seed) {
+    small_scenes::Random random(seed);
+    small_scenes::SceneBuilder builder("town");
+    const std::uint32_t wall =
+        builder.add(small_scenes::parts::plain("wall", {0.6f, 0.5f, 0.4f}, 0, 1));
+    const std::uint32_t ware =
+        builder.add(small_scenes::parts::plain("ware", {0.2f, 0.5f, 0.8f}, 0, 1));
+    const std::uint32_t block =
+        builder.add("block", small_scenes::parts::box({-2, 0, -2}, {2, 8, 2}, 1), wall);
+    const std::uint32_t ball = builder.add(
+        "ball", small_scenes::parts::patch(small_scenes::parts::sphere(0.5), 24, 12, {1, 1}), ware);
+    for (int x = -4; x <= 4; ++x)
+        for (int z = -4; z <= 4; ++z)
+            if ((x + z) % 3 != 0) builder.place(block, {6.0f * float(x), 0, 6.0f * float(z)});
+    for (int i = 0; i < 300; ++i)
+        builder.place(ball, random.vec3(-28, 28) * glm::vec3(1, 0.15f, 1) + glm::vec3(0, 2, 0),
+                      random(0, 6), random(0.3f, 1.5f));
+    Scene scene = std::move(builder).finish();
+    scene::Animation animation{.name = "drift", .duration = 4, .channels = {}};
+    for (std::uint32_t node = 60; node < scene.nodes.size(); node += 2) {
+        const glm::vec4 from(scene.nodes[node].translation, 0);
+        animation.channels.push_back(
+            {.node = node,
+             .times = {0, 2, 4},
+             .values = {from, from + glm::vec4(random.vec3(-6, 6), 0), from}});
+    }
+    scene.animations.push_back(animation);
+    return scene;
+}
+
+FrameSettings settingsOf(CullMode cull, const LodChoice& lod) {
+    FrameSettings settings;
+    settings.size = kSize;
+    settings.shadowTaps = 0;
+    settings.skyViews = 0;
+    settings.cull = cull;
+    settings.lod = lod;
+    return settings;
+}
+
+class OcclusionTest : public GpuTest {
+protected:
+    /// Renders the same run of views both ways; the pictures must agree in every pixel.
+    void compare(const LodChoice& lod, int views, std::uint32_t seed) {
+        const Scene source = town(seed);
+        scene::GpuScene onGpu(device(), source);
+        Frame plain(device(), onGpu, settingsOf(CullMode::frustum, lod));
+        Frame hidden(device(), onGpu, settingsOf(CullMode::hiz, lod));
+        small_scenes::Random random(seed + 1);
+        Camera camera{.eye = {0, 2, 0}, .at = {4, 2, 1}, .verticalFov = 1.1f, .nearPlane = 0.05f};
+        std::uint64_t hiddenInstances = 0, found = 0, hiddenClusters = 0;
+        for (int view = 0; view < views; ++view) {
+            if (view % 9 == 0) {  // a cut
+                camera.eye = random.vec3(-26, 26) * glm::vec3(1, 0.2f, 1) + glm::vec3(0, 6, 0);
+                camera.at = camera.eye + random.vec3(-4, 4) * glm::vec3(1, 0.3f, 1);
+            } else {  // a step and a turn
+                const glm::vec3 step = random.vec3(-1.5f, 1.5f);
+                camera.eye += step * glm::vec3(1, 0.2f, 1);
+                camera.at += step + random.vec3(-1, 1);
+            }
+            if (glm::distance(camera.eye, camera.at) < 0.1f) camera.at += glm::vec3(1, 0, 0);
+            onGpu.animate(0.11f * float(view));
+            plain.render(camera, {});
+            const auto expected = gpu::readImage(device(), plain.display());
+            hidden.render(camera, {});
+            ASSERT_EQ(gpu::readImage(device(), hidden.display()), expected) << "view " << view;
+            const auto counts = gpu::as<shared::CullCounts>(
+                gpu::readBuffer(device(), hidden.drawList().counts, sizeof(shared::CullCounts)))[0];
+            hiddenInstances += counts.instancesHidden;
+            found += counts.instancesFound;
+            hiddenClusters += counts.clustersHidden;
+        }
+        EXPECT_GT(hiddenInstances, 5u * views) << "hardly anything was hidden";
+        EXPECT_GT(found, 0u) << "nothing ever appeared: the second phase was not tried";
+        EXPECT_LT(found, hiddenInstances / 2);
+    }
+};
+
+TEST_F(OcclusionTest, picturesAreTheSameWithAndWithoutIt) {
+    compare({}, 90, 3);
+}
+
+TEST_F(OcclusionTest, picturesAreTheSameWithLevelsOfDetail) {
+    compare({.mode = LodChoice::Mode::error, .errorPx = 1, .distances = {}}, 45, 17);
+}
+
+TEST_F(OcclusionTest, aWallHidesWhatIsBehindItFromTheSecondFrameOn) {
+    small_scenes::SceneBuilder builder("wall");
+    const std::uint32_t material = builder.add(scene::Material{});
+    builder.place(
+        builder.add("wall", small_scenes::parts::box({-20, -20, -0.5}, {20, 20, 0}, 1), material));
+    const std::uint32_t ball = builder.add(
+        "ball", small_scenes::parts::patch(small_scenes::parts::sphere(0.5), 24, 12, {1, 1}),
+        material);
+    for (int i = 0; i < 50; ++i) builder.place(ball, {0.1f * float(i) - 2.5f, 0, -3.0f - float(i)});
+    const Scene source = std::move(builder).finish();
+    const scene::GpuScene onGpu(device(), source);
+    Frame frame(device(), onGpu, settingsOf(CullMode::hiz, {}));
+    const auto hidden = [&](const Camera& camera) {
+        frame.render(camera, {});
+        const auto counts = gpu::as<shared::CullCounts>(
+            gpu::readBuffer(device(), frame.drawList().counts, sizeof(shared::CullCounts)))[0];
+        return counts.instancesHidden - counts.instancesFound;
+    };
+    const Camera camera{.eye = {0, 0, 8}, .at = {0, 0, 0}};
+    EXPECT_EQ(hidden(camera), 0u);
+    EXPECT_EQ(hidden(camera), 50u);
+    EXPECT_EQ(hidden({.eye = {0, 0, -80}, .at = {0, 0, 0}}), 0u) << "a cut";
+    EXPECT_EQ(hidden(camera), 0u) << "the picture before showed the other side";
+    EXPECT_EQ(hidden(camera), 50u);
+    frame.resetOcclusion();
+    EXPECT_EQ(hidden(camera), 0u);
+}
+
+}  // namespace
+}  // namespace lodestar::frame
