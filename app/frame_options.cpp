@@ -78,6 +78,13 @@ Result<scale::Filter> parseScaleFilter(const std::string& text) {
     return fail("'" + text + "' is no scaling filter: one of " + list);
 }
 
+Result<scale::TemporalMode> parseTemporal(const std::string& text) {
+    const auto& names = scale::kTemporalNames;
+    const auto found = std::find(names.begin(), names.end(), text);
+    if (found != names.end()) return scale::TemporalMode(found - names.begin());
+    return fail("'" + text + "' is no way to join pictures: one of off, source, lodestar");
+}
+
 Result<double> parseRate(const std::string& text) {
     const Result<double> number = parseNumber(text);
     if (number && *number >= 1 && *number <= 64) return number;
@@ -230,6 +237,31 @@ void addFrameOptions(CLI::App& app, frame::FrameSettings& settings) {
               "bicubic, bilinear, point, noise or noise-offset")
         ->type_name("FILTER")
         ->group(kGroup);
+    addParsed(app, "--temporal", settings.temporal.mode, parseTemporal,
+              "join the pictures of a run: off (default), source (this one and the one before, "
+              "2011) or lodestar (a history that follows the surfaces)")
+        ->type_name("MODE")
+        ->group(kGroup);
+    app.add_option("--temporal-k", settings.temporal.k,
+                   "source: share of the picture before that a pixel of motion takes away")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str()
+        ->group(kGroup);
+    app.add_option("--temporal-width", settings.temporal.width,
+                   "lodestar: width of the kernel that weighs samples, in pixels; the smaller, the "
+                   "sharper and the more aliased")
+        ->check(CLI::Range(0.1, 2.0))
+        ->capture_default_str()
+        ->group(kGroup);
+    app.add_option("--temporal-memory", settings.temporal.memory,
+                   "lodestar: samples that a pixel remembers")
+        ->check(CLI::Range(1.0, 1000.0))
+        ->capture_default_str()
+        ->group(kGroup);
+    app.add_option("--sharpen", settings.temporal.sharpness, "lodestar: sharpening; 0: none")
+        ->check(CLI::Range(0.0, 1.0))
+        ->capture_default_str()
+        ->group(kGroup);
     app.add_option("--shadow-taps", settings.shadowTaps, "N of the N×N shadow filter; 0: no shadow")
         ->type_name("N")
         ->check(CLI::Range(0, 32))
@@ -282,6 +314,11 @@ Json settingsJson(const frame::FrameSettings& s) {
             {"reconstruct", nameOf(s.reconstruct)},
             {"max_scale", s.maxScale},
             {"scale_filter", std::string(scale::kFilterNames[std::size_t(s.scaling.filter)])},
+            {"temporal", std::string(scale::kTemporalNames[std::size_t(s.temporal.mode)])},
+            {"temporal_k", s.temporal.k},
+            {"temporal_width", s.temporal.width},
+            {"temporal_memory", s.temporal.memory},
+            {"sharpness", s.temporal.sharpness},
             {"sigma_z", sigmaJson(s.sigmas.z)},
             {"sigma_n", sigmaJson(s.sigmas.n)},
             {"shadow_taps", s.shadowTaps},

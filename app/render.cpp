@@ -245,7 +245,14 @@ Result<void> run(Options options) {
     for (const auto& costs : outcome.run.costs) frameTimes.push_back(costs.gpuMs);
     outcome.frameMs = budget::median(frameTimes);
     if (options.reference) {
-        outcome.quality = judgeRun(*session, frame, outcome.run, options.fps);
+        // Full quality is a picture of its own, without what came before it.
+        frame::FrameSettings alone = frame.settings();
+        std::optional<frame::Frame> plain;
+        if (alone.temporal.mode != scale::TemporalMode::off) {
+            alone.temporal.mode = scale::TemporalMode::off;
+            plain.emplace(*session->device, *session->gpuScene, alone);
+        }
+        outcome.quality = judgeRun(*session, plain ? *plain : frame, outcome.run, options.fps);
         const auto written = writeReference(options.out, *outcome.quality,
                                             outcome.run.samples.back().picture, files);
         if (!written) return written;

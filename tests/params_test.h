@@ -7,6 +7,7 @@
 #include "lodestar/gpu/prefix_sum_params.h"
 #include "lodestar/post/tonemap_params.h"
 #include "lodestar/scale/spatial_params.h"
+#include "lodestar/scale/temporal_params.h"
 #include "lodestar/scene/gpu_types.h"
 #include "lodestar/shading/coarse_params.h"
 #include "lodestar/shading/combine_params.h"
@@ -67,6 +68,9 @@ struct AllParams {
     CombineParams combine;
     MotionParams motion;
     ShowLodsParams showLods;
+    TemporalParams temporal;
+    TemporalSourceParams temporalSource;
+    TemporalShowParams temporalShow;
 };
 
 LS_NAMESPACE_END
@@ -178,12 +182,21 @@ LS_NAMESPACE_END
     VISIT(p.expand.maskedFrom) \
     VISIT(p.fragments.clipFromWorld) VISIT(p.fragments.eye) VISIT(p.fragments.base) \
     VISIT(p.fragments.capacity) \
-    VISIT(p.rebuild.pixelNdc) VISIT(p.rebuild.size) \
+    VISIT(p.rebuild.pixelNdc) VISIT(p.rebuild.size) VISIT(p.rebuild.textureScale) \
     VISIT(p.sampleGrid.size) VISIT(p.sampleGrid.fullSize) VISIT(p.sampleGrid.rate) \
     VISIT(p.spatial.step) VISIT(p.spatial.texelSize) VISIT(p.spatial.last) \
     VISIT(p.spatial.live) VISIT(p.spatial.size) VISIT(p.spatial.amount) VISIT(p.spatial.seed) \
     VISIT(p.combine.size) \
-    VISIT(p.motion.previousClipFromWorld) VISIT(p.motion.size) VISIT(p.showLods.scale)
+    VISIT(p.motion.previousClipFromWorld) VISIT(p.motion.size) VISIT(p.showLods.scale) \
+    VISIT(p.temporal.texelSize) VISIT(p.temporal.last) VISIT(p.temporal.live) \
+    VISIT(p.temporal.jitter) VISIT(p.temporal.size) VISIT(p.temporal.falloff) \
+    VISIT(p.temporal.memory) VISIT(p.temporal.known) VISIT(p.temporal.moved) \
+    VISIT(p.temporalSource.texelSize) VISIT(p.temporalSource.last) \
+    VISIT(p.temporalSource.live) VISIT(p.temporalSource.jitter) \
+    VISIT(p.temporalSource.lastBefore) VISIT(p.temporalSource.liveBefore) \
+    VISIT(p.temporalSource.jitterBefore) VISIT(p.temporalSource.size) \
+    VISIT(p.temporalSource.k) VISIT(p.temporalSource.known) \
+    VISIT(p.temporalShow.size) VISIT(p.temporalShow.sharpness)
 // clang-format on
 
 #endif

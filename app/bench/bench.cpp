@@ -103,11 +103,11 @@ std::string csvCell(const Json& value) {
 }  // namespace
 
 const std::vector<Bench>& benches() {
-    static const std::vector<Bench> all{shadingRateBench(),       framebufferLodBench(),
-                                        budgetHoldBench(),        scalingFiltersBench(),
-                                        visibilityQualityBench(), visibilityMemoryBench(),
-                                        visibilityTimeBench(),    geometryLodBench(),
-                                        cullingScaleBench(),      lodQualityBench()};
+    static const std::vector<Bench> all{
+        shadingRateBench(),    framebufferLodBench(),    budgetHoldBench(),
+        scalingFiltersBench(), visibilityQualityBench(), visibilityMemoryBench(),
+        visibilityTimeBench(), geometryLodBench(),       cullingScaleBench(),
+        lodQualityBench(),     temporalBench()};
     return all;
 }
 

@@ -32,6 +32,7 @@ add_library(lodestar STATIC
     upsample/upsample.cpp
     post/tonemap.cpp
     scale/spatial.cpp
+    scale/temporal.cpp
     frame/capture_frame.cpp
     frame/frame.cpp
     frame/light_maps.cpp
@@ -81,4 +82,7 @@ lodestar_shaders(lodestar
     upsample/upsample.comp
     post/tonemap.comp
     scale/spatial.comp
+    scale/temporal.comp
+    scale/temporal_show.comp
+    scale/temporal_source.comp
 )

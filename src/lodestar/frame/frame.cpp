@@ -173,7 +173,9 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       displayImage(target(owner, s.size, vk::Format::eR8G8B8A8Unorm, "display", Usage::eStorage)),
       surfaces(owner, room),
       rec(owner) {
-    if (s.motion) tracker.emplace(owner, gpuScene, room);
+    const bool joins = s.temporal.mode != scale::TemporalMode::off;
+    if (s.motion || joins) tracker.emplace(owner, gpuScene, room);
+    if (joins) temporal.emplace(owner, room, s.size, s.temporal);
     // A sun of the file has the colour it says. Its strength sets what a lux is: the sky is as
     // bright beside it as beside the real sun, lamps and emissive surfaces as the file has them.
     sunIlluminance = sky.sunIlluminance();
@@ -189,8 +191,11 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
         options.exposure = 1;
         render(camera, {});
         meter();
+        reset();
     }
-    begin(camera, levers.renderScale);
+    if (temporal && levers.resizeAll)
+        throw std::invalid_argument("Levers::resizeAll leaves nothing to join pictures by");
+    begin(camera, levers.renderScale, options.temporal.mode);
 
     // Which triangle does each pixel show?
     findVisible({.clipFromWorld = clipFromWorld(camera),
@@ -217,7 +222,7 @@ gpu::FrameTimes Frame::rebuild(const visibility::CompactRecord& from, const scen
     }
     if (!rebuilding || rebuilding->side != from.side)
         rebuilding = Rebuilding{from.side, {*device, from.side}};
-    begin(camera, levers.renderScale);
+    begin(camera, levers.renderScale, scale::TemporalMode::off);
     rebuilding->expand.record(rec, *scene, from, clipFromWorld(camera), ids());
     rec.barrier(Stage::compute, Stage::compute);
     if (tracker) tracker->record(rec, *scene, ids(), viewBuffer, steadyClipFromWorld(camera));
@@ -225,11 +230,15 @@ gpu::FrameTimes Frame::rebuild(const visibility::CompactRecord& from, const scen
     return rec.submit();
 }
 
-void Frame::begin(const scene::Camera& camera, float renderScale) {
+void Frame::begin(const scene::Camera& camera, float renderScale, scale::TemporalMode mode) {
     if (!(renderScale >= kLeastScale && renderScale <= std::max(options.maxScale, 1.0f)))
         throw std::invalid_argument("Levers::renderScale must be 0.5 … FrameSettings::maxScale");
     live = scaled(options.size, renderScale);
     repairList.size = live;
+    joining = mode;
+    const glm::vec2 grid(live.width, live.height);
+    jitter = 2.0f * scale::jitterOf(mode, pictures++, renderScale) / grid;
+    textureScale = scale::textureScaleOf(mode, renderScale);
     rec.begin();
     lightMaps.update(rec, *scene, cull, camera, aspect);
     writeUniforms(camera);
@@ -242,7 +251,7 @@ void Frame::shade(const budget::Levers& levers) {
         return;
     }
     // What is exact on grid O, and the expensive terms on grids S.
-    rebuildPass.record(rec, *scene, {ids(), viewBuffer}, surfaces);
+    rebuildPass.record(rec, *scene, {ids(), viewBuffer, {}, live, textureScale}, surfaces);
     evaluateTerms(levers);
     rec.barrier(Stage::compute, Stage::compute);
 
@@ -255,13 +264,27 @@ void Frame::shade(const budget::Levers& levers) {
 
 void Frame::show() {
     rec.barrier(Stage::compute, Stage::compute);
-    if (live == options.size) {
+    const bool joins = joining != scale::TemporalMode::off;
+    if (live == options.size && !joins) {
         tonemap.record(rec, radianceImage, options.exposure, displayImage);
         return;
     }
     tonemap.record(rec, radianceImage, options.exposure, part(shownImage, live));
     rec.barrier(Stage::compute, Stage::compute);
-    spatial.record(rec, shownImage, live, options.scaling, displayImage);
+    if (!joins) {
+        spatial.record(rec, shownImage, live, options.scaling, displayImage);
+        return;
+    }
+    temporal->record(rec,
+                     {.color = shownImage,
+                      .motion = tracker->motion(),
+                      .depth = surfaces.depth,
+                      .terms = termImage,
+                      .material = surfaces.material,
+                      .live = live,
+                      .jitter = jitter * glm::vec2(live.width, live.height) * 0.5f,
+                      .moved = tracker->moved()},
+                     displayImage);
 }
 
 Frame::Whole Frame::makeWhole() const {
@@ -311,6 +334,7 @@ void Frame::shadeOnGridS(float rate) {
 void Frame::reset() {
     hiz.reset();
     if (tracker) tracker->reset();
+    if (temporal) temporal->reset();
 }
 
 glm::mat4 Frame::steadyClipFromWorld(const scene::Camera& camera) const {
@@ -366,7 +390,7 @@ gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
         return rebuildAntialiased(from, camera);
     }
 
-    begin(camera, 1);
+    begin(camera, 1, scale::TemporalMode::off);
     auto& set = smooth->set;
     smooth->fragments.recordWrite(rec, *scene, from, clipFromWorld(camera), camera.eye, set);
     rec.barrier(Stage::compute, Stage::compute);

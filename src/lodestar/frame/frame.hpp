@@ -11,6 +11,7 @@
 #include <lodestar/geometry/show_lods.hpp>
 #include <lodestar/post/tonemap.hpp>
 #include <lodestar/scale/spatial.hpp>
+#include <lodestar/scale/temporal.hpp>
 #include <lodestar/scene/camera.hpp>
 #include <lodestar/shading/coarse.hpp>
 #include <lodestar/shading/combine.hpp>
@@ -42,9 +43,10 @@ struct FrameSettings {
     std::uint32_t noiseOctaves = 0;      ///< of the pattern on all surfaces; 0 = none, at most 12
     float noiseScale = 0;      ///< cells of its first octave [scene units]; 0 = 1/8 of the scene
     float leastWeight = 0.1f;  ///< pixels reconstructed from less may be repaired
-    bool motion = false;       ///< make motion vectors of every picture
-    float exposure = 1;        ///< 0: metered on the first frame, and kept
-    float aspect = 0;          ///< width / height that the picture shows; 0 = that of `size`
+    bool motion = false;       ///< make motion vectors of every picture; temporal does so too
+    scale::TemporalOptions temporal;  ///< of render(): how the pictures of a sequence are joined
+    float exposure = 1;               ///< 0: metered on the first frame, and kept
+    float aspect = 0;                 ///< width / height that the picture shows; 0 = that of `size`
     upsample::Reconstruct reconstruct = upsample::Reconstruct::bilateral;
     upsample::Sigmas sigmas;
     geometry::CullMode cull = geometry::CullMode::frustum;
@@ -99,7 +101,7 @@ public:
 
 private:
     /// Begins a picture: its grid O, light maps and uniforms.
-    void begin(const scene::Camera&, float renderScale);
+    void begin(const scene::Camera&, float renderScale, scale::TemporalMode);
     void shade(const budget::Levers&);
     /// From radiance on grid O to the display.
     void show();
@@ -143,6 +145,7 @@ private:
     vk::Extent2D room;    ///< of the targets
     vk::Extent2D live;    ///< the part of them that is grid O of this frame
     glm::vec2 jitter{0};  ///< of this frame [NDC]
+    float textureScale = 1;
     shading::Sky sky;
     std::array<glm::vec3, 9> irradiance;  ///< of the sky
     glm::vec3 sunIlluminance{0};
@@ -171,6 +174,9 @@ private:
     visibility::Surface surfaces;
 
     std::optional<MotionTracker> tracker;
+    std::optional<scale::Temporal> temporal;
+    scale::TemporalMode joining = scale::TemporalMode::off;  ///< of this frame
+    std::uint32_t pictures = 0;
     std::optional<Rebuilding> rebuilding;
     std::optional<Smooth> smooth;
     std::optional<Whole> whole;

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <lodestar/scale/spatial_params.h>
+#include <lodestar/scale/live_part.hpp>
 #include <lodestar/scale/spatial.hpp>
 
 namespace lodestar::scale {
@@ -11,27 +12,9 @@ constexpr std::uint32_t kCode[] =
 
 using gpu::Slot;
 
-/// How near the end of the live part a bilinear fetch may come where more texels follow. A fetch at
-/// the very centre of the last texel would read the next one too, with a weight of 0, and 0 · NaN
-/// is NaN. Hardware places samples to 1/256 texel.
-constexpr float kMargin = 1.0f / 256;
-
-vk::raii::Sampler makeSampler(const gpu::Device& device) {
-    constexpr auto kClamp = vk::SamplerAddressMode::eClampToEdge;
-    return {device.vk(), vk::SamplerCreateInfo{.magFilter = vk::Filter::eLinear,
-                                               .minFilter = vk::Filter::eLinear,
-                                               .addressModeU = kClamp,
-                                               .addressModeV = kClamp}};
-}
-
-float lastRead(std::uint32_t live, std::uint32_t whole) {
-    const float centre = static_cast<float>(live) - 0.5f;
-    return live < whole ? centre - kMargin : centre;
-}
-
 }  // namespace
 
-Spatial::Spatial(const gpu::Device& device) : linearSampler(makeSampler(device)) {
+Spatial::Spatial(const gpu::Device& device) : linearSampler(makeLinearSampler(device)) {
     for (std::uint32_t filter = 0; filter < kFilterNames.size(); ++filter)
         kernels.emplace_back(device, "scale, " + std::string(kFilterNames[filter]), kCode,
                              std::vector<gpu::SlotArray>{Slot::sampledImage, Slot::storageImage},
@@ -60,7 +43,7 @@ void Spatial::record(gpu::Recorder& rec, gpu::View source, vk::Extent2D live,
     const shared::SpatialParams params{
         .step = {along(live.width, out.width), along(live.height, out.height)},
         .texelSize = {along(1, whole.width), along(1, whole.height)},
-        .last = {lastRead(live.width, whole.width), lastRead(live.height, whole.height)},
+        .last = lastRead(live, whole),
         .live = {static_cast<float>(live.width), static_cast<float>(live.height)},
         .size = {out.width, out.height},
         .amount = filter == Filter::noise ? options.grain : options.offset,

@@ -51,7 +51,8 @@ void main() {
     const Barycentrics b =
         barycentricsAt(view.clipFromWorld * vec4(t.p0, 1), view.clipFromWorld * vec4(t.p1, 1),
                        view.clipFromWorld * vec4(t.p2, 1), ndc);
-    const vec3 dx = b.dx * toNdc.x, dy = b.dy * toNdc.y;  // per pixel
+    const vec2 toMip = toNdc * params.textureScale;
+    const vec3 dx = b.dx * toMip.x, dy = b.dy * toMip.y;  // per pixel, biased
 
     const GpuVertexAttributes a0 = loadAttributes(t.vertices.x), a1 = loadAttributes(t.vertices.y),
                               a2 = loadAttributes(t.vertices.z);
