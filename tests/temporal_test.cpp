@@ -34,7 +34,7 @@ protected:
         GpuTest::SetUp();
         if (IsSkipped()) return;
         onGpu.emplace(device(), columns);
-        camera = scene::frame(onGpu->bounds(), kAspect);
+        camera = scene::dollied(scene::frame(onGpu->bounds(), kAspect), 0.6f);
     }
     static FrameSettings settings(TemporalMode mode) {
         FrameSettings s{.size = kSize, .maxScale = 2, .shadowMapSize = 256, .skyViews = 0};

@@ -19,6 +19,7 @@ layout(push_constant, scalar) uniform Push { TemporalParams params; };
 #include "edge_adaptive.glsl"
 
 const float kDepthSlack = 0.01;     // relative, beyond the depths of the texels around
+const float kApart = 0.5;           // pixels by which neighbours may move otherwise
 const float kSunSlack = 0.15;       // change of the sun's share that is shading that moves
 const float kShiny = 0.4;           // roughness below which reflections are seen to move
 const float kLeastTrust = 0.15;     // weight of a picture without history
@@ -52,17 +53,26 @@ Around lookAround(ivec2 texel) {
     return a;
 }
 
-/// Whether a place of the history shows a surface that is around the pixel now: the same instance,
-/// as far as it then was.
-bool sameSurface(vec4 then, Around a) {
-    float near = 3e38, far = -3e38;
+float distanceOf(float depth) { return depth > 0 ? depth : 1e30; }
+
+/// Whether a place of the history may be blended with what is seen now. It may where it shows a
+/// surface that is around the pixel now: the same instance, as far as it then was. It may not where
+/// it shows something nearer, which has uncovered the pixel. Something farther was seen between or
+/// beside what is seen now: parts of a pixel, which is what is gathered here. A neighbour that moves
+/// otherwise than the pixel was not beside it then.
+bool mayBlend(vec4 then, Around a) {
+    float near = 3e38, far = -3e38, nearest = 3e38;
     for (int i = 0; i < 5; ++i) {
-        const bool same = a.motion[i].w == then.y;
+        const vec2 apart = (a.motion[i].xy - a.motion[0].xy) * vec2(params.size);
+        const bool beside = dot(apart, apart) < kApart * kApart;
+        const bool same = beside && a.motion[i].w == then.y;
         near = same ? min(near, a.motion[i].z) : near;
         far = same ? max(far, a.motion[i].z) : far;
+        nearest = beside ? min(nearest, distanceOf(a.motion[i].z)) : nearest;
     }
     const float slack = kDepthSlack * then.x + (far - near);
-    return then.x >= near - slack && then.x <= far + slack;
+    const bool seenNow = then.x >= near - slack && then.x <= far + slack;
+    return seenNow || distanceOf(then.x) >= nearest * (1 - kDepthSlack);
 }
 
 /// Catmull-Rom over 4×4 without its corners, in five bilinear fetches; a place at a texel's centre
@@ -117,7 +127,8 @@ void main() {
         const vec4 then = texelFetch(guide, tap, 0);
         const vec2 share = mix(1 - f, f, vec2(corner));
         const float w = share.x * share.y;
-        const bool same = sameSurface(then, around);
+        // Where nothing moved at all nothing can have been uncovered.
+        const bool same = params.moved == 0 || mayBlend(then, around);
         all4 = all4 && (same || w < 0.01);
         if (same) {
             loose += w * texelFetch(history, tap, 0);
