@@ -23,7 +23,8 @@ const float kApart = 0.5;           // pixels by which neighbours may move other
 const float kSunSlack = 0.15;       // change of the sun's share that is shading that moves
 const float kShiny = 0.4;           // roughness below which reflections are seen to move
 const float kLeastTrust = 0.15;     // weight of a picture without history
-const float kMovingMemory = 0.6;    // of the memory, where resampling blurs it
+const float kMovingMemory = 0.35;   // of the memory, where resampling blurs it
+const float kMovingFalloff = 0.5;   // of the kernel's, where few frames are left to fill it
 
 /// What the texel and its four neighbours show: what a place in the history must be one of.
 struct Around {
@@ -106,10 +107,13 @@ void main() {
     const vec2 at = (vec2(pixel) + 0.5) * step + params.jitter;
     const ivec2 texel = ivec2(clamp(at, vec2(0), params.live - 1));
     const vec2 off = (vec2(texel) + 0.5 - at) / step;
-    const float weight = exp2(-params.falloff * dot(off, off));
     const vec3 color = texelFetch(source, texel, 0).rgb;
     const Around around = lookAround(texel);
     const vec4 moved = around.motion[0];
+    const vec2 travel = moved.xy * vec2(params.size);
+    const bool travels = dot(travel, travel) > 1e-4;
+    const float falloff = params.falloff * (travels ? kMovingFalloff : 1);
+    const float weight = exp2(-falloff * dot(off, off));
     const float sun = texelFetch(terms, texel, 0).x;
 
     // The place in the history, and which of the 2×2 texels about it show what is seen here.
@@ -149,7 +153,6 @@ void main() {
     const bool reflectionMoved = params.moved != 0 && moved.w > 0 && roughness < kShiny;
     if (shadowMoved || reflectionMoved) before.rgb = clamp(before.rgb, around.low, around.high);
 
-    const bool travels = dot(moved.xy * outSize, moved.xy * outSize) > 1e-4;
     const float memory = params.memory * (travels ? kMovingMemory : 1);
     vec4 joined;
     if (kept) {
