@@ -18,6 +18,7 @@ namespace {
 constexpr std::size_t kHistory = 8;
 constexpr std::size_t kRecent = 3;       // this many frames in a row are a new load, not a spike
 constexpr double kNewLoad = 0.08;        // … when each is this far from the older ones [targets]
+constexpr double kMargin = 0.025;        // aims this far under the target [targets]
 constexpr double kDeadband = 0.025;      // r rests while the expected time is this close [targets]
 constexpr double kGain = 0.3;            // share of a surprise that goes into K
 constexpr double kSurpriseLimit = 0.15;  // a surprise counts for no more than this [targets]
@@ -48,14 +49,14 @@ YangController::YangController(const YangSettings& given, double startRate)
 
 Levers YangController::next(const FrameCosts& measured) {
     require(std::isfinite(measured.gpuMs) && measured.gpuMs >= 0, "gpuMs must be a time");
-    const Sample newest{1 / (r * r), measured.gpuMs};
+    const Sample newest{1 / (r * r), measured.gpuMs / machine.slowdown(measured)};
     learn(newest);
     history.push_back(newest);
     if (history.size() > kHistory) history.pop_front();
     forgetOldLoad();
     estimate.c = medianC();
 
-    const double error = estimate.frameMs(r) - settings.targetMs;
+    const double error = estimate.frameMs(r) - (1 - kMargin) * settings.targetMs;
     if (std::abs(error) > deadband()) {
         // The paper's law solved for the new r: K (1/r'² − 1/r²) = target − t.
         const double x = newest.x - error / estimate.k;

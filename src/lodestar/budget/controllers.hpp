@@ -5,6 +5,7 @@
 
 #include <lodestar/budget/cost_model.hpp>
 #include <lodestar/budget/levers.hpp>
+#include <lodestar/budget/machine_speed.hpp>
 
 namespace lodestar::budget {
 
@@ -21,9 +22,11 @@ struct YangSettings {
 /// (some percent, now and then a frame of twice the time), and that law would pass the noise on to
 /// r. So the time it works on is K/r² + C with C the median of t − K/r² over the last few frames,
 /// which no single slow frame moves; three frames in a row that disagree with the older ones end
-/// the history, so a real change of load is followed at once; r rests while the expected time is
-/// within 2.5 % of the target (more on a noisier machine); and K is corrected by what changes of r
-/// turn out to do. docs/budget.md has the figures.
+/// the history, so a real change of load is followed at once; a frame all of whose passes were slow
+/// together is taken for as long as it would have been on a free machine; r rests while the
+/// expected time is within 2.5 % of what it aims at (more on a noisier machine), which is 2.5 %
+/// under the target, since noise only ever makes frames longer; and K is corrected by what changes
+/// of r turn out to do. docs/budget.md has the figures.
 class YangController {
 public:
     /// Throws std::invalid_argument on settings that are not finite, targetMs ≤ 0, k < 0,
@@ -32,8 +35,8 @@ public:
     explicit YangController(const YangSettings&, double startRate = 1);
 
     /// The levers of the next frame, given what the last one (rendered with the levers returned
-    /// before) cost. Only gpuMs is read. Throws std::invalid_argument when it is negative or not
-    /// finite.
+    /// before) cost. `passes` may be empty: a slow machine then passes for a heavy scene. Throws
+    /// std::invalid_argument when it is negative or not finite.
     Levers next(const FrameCosts& measured);
 
     double rate() const { return r; }
@@ -58,6 +61,7 @@ private:
     double r = 1;
     double kFloor = 0, kCeiling = 0;
     CostModel estimate;
+    MachineSpeed machine;
     double noiseMs = 0;  ///< standard deviation of a frame's time about the model
     std::deque<Sample> history;
 };

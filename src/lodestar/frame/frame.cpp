@@ -424,7 +424,8 @@ gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
 }
 
 /// Culls and captures; what is hidden, in two phases: first what the last picture does not hide,
-/// then what that, drawn, does not hide of the rest.
+/// then what that, drawn, does not hide of the rest. The next frame starts from the whole picture:
+/// after a cut the first phase draws next to nothing, and what that hides is next to nothing too.
 void Frame::findVisible(const geometry::CullView& view) {
     using Phase = visibility::CaptureSs::Phase;
     const visibility::CaptureSs::Target target{ids(), part(depthBuffer, live)};
@@ -444,6 +445,7 @@ void Frame::findVisible(const geometry::CullView& view) {
     hiz.record(rec, part(depthBuffer, live), view.clipFromWorld);
     cull.recordSecond(rec, *scene, eyeList, hiz);
     draw("capture rest", Phase::second);
+    hiz.record(rec, depthBuffer, view.clipFromWorld);
 }
 
 void Frame::evaluateTerms(const budget::Levers& levers) {
