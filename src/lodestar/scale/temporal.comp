@@ -22,7 +22,7 @@ const float kDepthSlack = 0.01;     // relative, beyond the depths of the texels
 const float kApart = 0.5;           // pixels by which neighbours may move otherwise
 const float kSunSlack = 0.15;       // change of the sun's share that is shading that moves
 const float kShiny = 0.4;           // roughness below which reflections are seen to move
-const float kLeastTrust = 0.15;     // weight of a picture without history
+const float kEnough = 1;            // weight of samples that need no reconstruction beside them
 const float kMovingMemory = 0.35;   // of the memory, where resampling blurs it
 const float kMovingFalloff = 0.5;   // of the kernel's, where few frames are left to fill it
 
@@ -154,13 +154,12 @@ void main() {
     if (shadowMoved || reflectionMoved) before.rgb = clamp(before.rgb, around.low, around.high);
 
     const float memory = params.memory * (travels ? kMovingMemory : 1);
-    vec4 joined;
-    if (kept) {
-        const float old = min(max(before.a, 0), memory);
-        joined = vec4((before.rgb * old + color * weight) / (old + weight), old + weight);
-    } else {
-        joined = vec4(edgeAdaptiveAt(at), max(weight * weight, 0.02) * kLeastTrust);
-    }
+    // Until samples have gathered, this frame's own reconstruction stands for those to come.
+    const float old = kept ? min(max(before.a, 0), memory) : 0;
+    const float ahead = max(kEnough - old, 0);
+    const vec3 sum = (kept ? before.rgb * old : vec3(0)) + color * weight +
+                     (ahead > 0 ? edgeAdaptiveAt(at) * ahead : vec3(0));
+    const vec4 joined = vec4(sum / (old + weight + ahead), old + weight);
     imageStore(outHistory, pixel, joined);
     imageStore(outGuide, pixel, vec4(texelFetch(depth, texel, 0).x, moved.w, sun, 0));
 }
