@@ -23,7 +23,7 @@ const float kApart = 0.5;           // pixels by which neighbours may move other
 const float kSunSlack = 0.15;       // change of the sun's share that is shading that moves
 const float kShiny = 0.4;           // roughness below which reflections are seen to move
 const float kEnough = 1;            // weight of samples that need no reconstruction beside them
-const float kMovingMemory = 0.35;   // of the memory, where resampling blurs it
+const float kMovingMemory = 0.12;   // of the memory, where resampling blurs it
 const float kMovingFalloff = 0.5;   // of the kernel's, where few frames are left to fill it
 
 /// What the texel and its four neighbours show: what a place in the history must be one of.
