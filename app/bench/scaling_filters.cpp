@@ -49,7 +49,7 @@ Json rowStart(const char* measures, const BenchCase& what, const BenchOptions& o
             {"camera", what.camera},
             {"width", options.view.size.width},
             {"height", options.view.size.height},
-            {"s", std::round(s * 100) / 100}};
+            {"s", std::round(100.0 * double{s}) / 100}};
 }
 
 double passShare(const std::vector<budget::FrameCosts>& costs,

@@ -199,7 +199,7 @@ void addRows(const CourseResult& run, const Course& course, const BenchCase& wha
              {"width", options.view.size.width},
              {"height", options.view.size.height},
              {"path", course.name},
-             {"s", std::round(100 * course.scales.front()) / 100},
+             {"s", std::round(100.0 * double{course.scales.front()}) / 100},
              {"method", m == 0 ? "none" : std::string(scale::kTemporalNames[m])},
              {"frames", joined.frameMs.size() + 2},
              {"frame_ms", ms},
