@@ -16,7 +16,7 @@ namespace lodestar::app {
 namespace {
 
 constexpr std::array kNames{"depth",     "normal", "albedo", "roughness", "metallic",
-                            "occlusion", "id",     "shadow", "ao"};
+                            "occlusion", "id",     "shadow", "ao",        "motion"};
 
 /// What a picture's pixels are made of, read back once.
 struct Planes {
@@ -24,6 +24,7 @@ struct Planes {
     std::vector<std::uint32_t> normal, ids;
     std::vector<glm::uvec4> material;
     std::vector<std::uint64_t> terms;
+    std::vector<glm::vec4> motion;  ///< of pictures that have it
 };
 
 /// `value(i)` for every pixel, one channel for each of its components; 0 on the background.
@@ -43,6 +44,7 @@ std::vector<ExrChannel> channels(const Planes& planes, const std::vector<std::st
 }
 
 using glm::vec1;
+using glm::vec2;
 using glm::vec3;
 
 std::vector<ExrChannel> makeAov(const Planes& p, const std::string& name) {
@@ -64,6 +66,8 @@ std::vector<ExrChannel> makeAov(const Planes& p, const std::string& name) {
         return channels<vec1>(p, one, [&](auto i) { return vec1(material(i, 1).x); });
     if (name == "metallic")
         return channels<vec1>(p, one, [&](auto i) { return vec1(material(i, 1).y); });
+    if (name == "motion")
+        return channels<vec2>(p, {"X", "Y"}, [&](auto i) { return vec2(p.motion[i]); });
     if (name == "shadow")
         return channels<vec1>(p, one,
                               [&](auto i) { return vec1(glm::unpackHalf4x16(p.terms[i]).x); });
@@ -95,13 +99,17 @@ Result<std::vector<std::filesystem::path>> writeAovs(const gpu::Device& device,
                                                      const frame::Frame& frame,
                                                      const std::vector<std::string>& names,
                                                      const std::filesystem::path& out) {
-    const Planes planes{
-        .depth = gpu::as<float>(gpu::readImage(device, frame.surface().depth)),
-        .normal = gpu::as<std::uint32_t>(gpu::readImage(device, frame.surface().normal)),
-        .ids = gpu::as<std::uint32_t>(gpu::readImage(device, frame.ids())),
-        .material = gpu::as<glm::uvec4>(gpu::readImage(device, frame.surface().material)),
-        .terms = gpu::as<std::uint64_t>(gpu::readImage(device, frame.terms()))};
-    const vk::Extent2D size = frame.settings().size;
+    Planes planes{.depth = gpu::as<float>(gpu::readImage(device, frame.depth())),
+                  .normal = gpu::as<std::uint32_t>(gpu::readImage(device, frame.normal())),
+                  .ids = gpu::as<std::uint32_t>(gpu::readImage(device, frame.ids())),
+                  .material = gpu::as<glm::uvec4>(gpu::readImage(device, frame.material())),
+                  .terms = gpu::as<std::uint64_t>(gpu::readImage(device, frame.terms()))};
+    const vk::Extent2D size = frame.grid();
+    if (frame.settings().motion) {
+        // In pixels: what people look for in the file.
+        planes.motion = gpu::as<glm::vec4>(gpu::readImage(device, frame.motion()));
+        for (glm::vec4& motion : planes.motion) motion *= glm::vec4(size.width, size.height, 1, 1);
+    }
     std::vector<std::filesystem::path> files;
     for (const std::string& name : names) {
         files.push_back(std::filesystem::path(out).replace_extension(name + ".exr"));

@@ -11,7 +11,8 @@
 namespace lodestar::app {
 
 /// Reads "depth,normal" into names, each one of: depth [scene units], normal (view space), albedo,
-/// roughness, metallic, occlusion, id, shadow (share of the sun seen), ao (share of the sky seen).
+/// roughness, metallic, occlusion, id, shadow (share of the sun seen), ao (share of the sky seen),
+/// motion (from here to where the surface was a frame ago [pixels], y down).
 Result<std::vector<std::string>> parseAovs(const std::string& text);
 
 /// Writes each of `names` of the last picture as `STEM.NAME.exr` beside `out`. Returns the files.

@@ -37,7 +37,13 @@ Run renderRun(const Session& session, frame::Frame& frame, const scene::Camera& 
     Run run;
     budget::Levers levers = options.levers;
     std::optional<budget::YangController> controller;
-    if (options.targetMs) {
+    std::optional<budget::ProportionalController> scaling;
+    if (options.targetMs && options.proportional) {
+        budget::ProportionalSettings settings = *options.proportional;
+        settings.targetMs = *options.targetMs;
+        scaling.emplace(settings, std::clamp(1.0, settings.least, settings.most));
+        levers.renderScale = static_cast<float>(scaling->scale());
+    } else if (options.targetMs) {
         budget::YangSettings settings{.targetMs = *options.targetMs,
                                       .k = options.calibration.model.k};
         const double rate = options.calibration.model.rateFor(*options.targetMs);
@@ -56,10 +62,16 @@ Run renderRun(const Session& session, frame::Frame& frame, const scene::Camera& 
         run.costs.push_back(costs);
         run.lastRate = levers.shadingRate;
         run.lastCamera = camera;
+        run.scales.push_back(levers.renderScale);
         if (controller) {
             run.trace.add({levers.shadingRate, costs.gpuMs, *options.targetMs});
             levers.shadingRate = controller->next(costs).shadingRate;
             run.saturated = controller->saturated();
+        }
+        if (scaling) {
+            run.trace.add({std::max(1.0f, 1 / levers.renderScale), costs.gpuMs, *options.targetMs});
+            levers.renderScale = scaling->next(costs).renderScale;
+            run.saturated = scaling->saturated();
         }
         // Samples: the last frame of each of `samples` equal parts of the run.
         if (nextSample < options.samples &&

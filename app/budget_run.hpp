@@ -6,6 +6,7 @@
 
 #include <lodestar/budget/budget.hpp>
 #include <lodestar/budget/cost_model.hpp>
+#include <lodestar/budget/proportional_controller.hpp>
 #include <lodestar/budget/trace.hpp>
 
 #include "app/camera_path.hpp"
@@ -33,9 +34,10 @@ struct Run {
     std::vector<budget::FrameCosts> costs;
     budget::Trace trace;  ///< filled when there is a budget
     std::vector<Sample> samples;
+    std::vector<float> scales;  ///< S of every frame
     float lastRate = 1;
     scene::Camera lastCamera;
-    bool saturated = false;  ///< the last frames missed the budget with r at its limit
+    bool saturated = false;  ///< the last frames missed the budget with r (or S) at its limit
 };
 
 struct RunOptions {
@@ -45,7 +47,9 @@ struct RunOptions {
     budget::Levers levers;           ///< under a budget only their proportions count
     std::optional<double> targetMs;  ///< hold this frame time
     Calibration calibration;         ///< used with a target
-    std::size_t samples = 0;         ///< pictures to keep, evenly over the run
+    /// S holds the target, as the proportional controller says; r stays. Its target is targetMs.
+    std::optional<budget::ProportionalSettings> proportional;
+    std::size_t samples = 0;  ///< pictures to keep, evenly over the run
 };
 
 /// Renders the frames; `afterFrame(i)` may read the picture back (its time does not count).

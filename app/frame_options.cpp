@@ -81,6 +81,22 @@ Result<float> parseExposure(const std::string& text) {
     return fail("'" + text + "' is no exposure: give a number above 0, or auto");
 }
 
+Result<scale::Filter> parseScaleFilter(const std::string& text) {
+    const auto& names = scale::kFilterNames;
+    const auto found = std::find(names.begin(), names.end(), text);
+    if (found != names.end()) return scale::Filter(found - names.begin());
+    std::string list;
+    for (const auto name : names) list += (list.empty() ? "" : ", ") + std::string(name);
+    return fail("'" + text + "' is no scaling filter: one of " + list);
+}
+
+Result<scale::TemporalMode> parseTemporal(const std::string& text) {
+    const auto& names = scale::kTemporalNames;
+    const auto found = std::find(names.begin(), names.end(), text);
+    if (found != names.end()) return scale::TemporalMode(found - names.begin());
+    return fail("'" + text + "' is no way to join pictures: one of off, source, lodestar");
+}
+
 Result<double> parseRate(const std::string& text) {
     const Result<double> number = parseNumber(text);
     if (number && *number >= 1 && *number <= 64) return number;
@@ -162,10 +178,11 @@ void addLeverOptions(CLI::App& app, budget::Levers& levers) {
         app, "--shading-rate", levers,
         [&levers](const std::string& text) {
             auto parsed = parseRates(text);
-            if (parsed) parsed->repair = levers.repair;
-            if (parsed) parsed->localRate = levers.localRate;
-            if (parsed) parsed->resizeAll = levers.resizeAll;
-            return parsed;
+            if (!parsed) return parsed;
+            budget::Levers changed = levers;
+            changed.shadingRate = parsed->shadingRate;
+            changed.split = parsed->split;
+            return Result<budget::Levers>(changed);
         },
         "r of the coarse terms, all of them or one by one as in shadow=4,ao=2; 1 = full quality. "
         "Under a budget the proportions stay")
@@ -177,17 +194,22 @@ void addLeverOptions(CLI::App& app, budget::Levers& levers) {
     app.add_flag("--full-resize,!--fine-grained", levers.resizeAll,
                  "shade as a whole on the coarse grid, not the expensive terms alone")
         ->group(kGroup);
+    app.add_option("--scale,--render-scale", levers.renderScale,
+                   "render at this share of the size along each axis and scale the picture; above "
+                   "1: supersampled")
+        ->type_name("S")
+        ->check(CLI::Range(0.5, 2.0))
+        ->capture_default_str()
+        ->group(kGroup);
 }
 
 Json leversJson(const budget::Levers& levers) {
     Json rates;
     for (std::size_t i = 0; i < budget::kTerms; ++i)
         rates[std::string(budget::kTermNames[i])] = levers.rate(budget::Term(i));
-    return {{"shading_rate", levers.shadingRate},
-            {"rates", rates},
-            {"repair", levers.repair},
-            {"local_rate", levers.localRate},
-            {"full_resize", levers.resizeAll}};
+    return {{"shading_rate", levers.shadingRate}, {"rates", rates},
+            {"render_scale", levers.renderScale}, {"repair", levers.repair},
+            {"local_rate", levers.localRate},     {"full_resize", levers.resizeAll}};
 }
 
 void addFrameOptions(CLI::App& app, frame::FrameSettings& settings) {
@@ -258,6 +280,36 @@ void addFrameOptions(CLI::App& app, frame::FrameSettings& settings) {
         ->type_name("S")
         ->default_str(fmt::format("{}", settings.sigmas.n))
         ->group(kGroup);
+    addParsed(app, "--scale-filter,--filter", settings.scaling.filter, parseScaleFilter,
+              "how a picture of another --scale is brought to size: edge-adaptive (default), "
+              "bicubic, bilinear, point, noise or noise-offset")
+        ->type_name("FILTER")
+        ->group(kGroup);
+    addParsed(app, "--temporal", settings.temporal.mode, parseTemporal,
+              "join the pictures of a run: off (default), source (this one and the one before, "
+              "2011) or lodestar (a history that follows the surfaces)")
+        ->type_name("MODE")
+        ->group(kGroup);
+    app.add_option("--temporal-k", settings.temporal.k,
+                   "source: share of the picture before that a pixel of motion takes away")
+        ->check(CLI::NonNegativeNumber)
+        ->capture_default_str()
+        ->group(kGroup);
+    app.add_option("--temporal-width", settings.temporal.width,
+                   "lodestar: width of the kernel that weighs samples, in pixels; the smaller, the "
+                   "sharper and the more aliased")
+        ->check(CLI::Range(0.1, 2.0))
+        ->capture_default_str()
+        ->group(kGroup);
+    app.add_option("--temporal-memory", settings.temporal.memory,
+                   "lodestar: samples that a pixel remembers")
+        ->check(CLI::Range(1.0, 1000.0))
+        ->capture_default_str()
+        ->group(kGroup);
+    app.add_option("--sharpen", settings.temporal.sharpness, "lodestar: sharpening; 0: none")
+        ->check(CLI::Range(0.0, 1.0))
+        ->capture_default_str()
+        ->group(kGroup);
     app.add_option("--shadow-taps", settings.shadowTaps, "N of the N×N shadow filter; 0: no shadow")
         ->type_name("N")
         ->check(CLI::Range(0, 64))
@@ -311,6 +363,13 @@ Json settingsJson(const frame::FrameSettings& s) {
             {"supersample_filter", s.reduce == post::ReduceFilter::box ? "box" : "mitchell"},
             {"reconstruct", nameOf(s.reconstruct)},
             {"packing", s.packing == upsample::Packing::full ? "full" : "yang"},
+            {"max_scale", s.maxScale},
+            {"scale_filter", std::string(scale::kFilterNames[std::size_t(s.scaling.filter)])},
+            {"temporal", std::string(scale::kTemporalNames[std::size_t(s.temporal.mode)])},
+            {"temporal_k", s.temporal.k},
+            {"temporal_width", s.temporal.width},
+            {"temporal_memory", s.temporal.memory},
+            {"sharpness", s.temporal.sharpness},
             {"sigma_z", sigmaJson(s.sigmas.z)},
             {"sigma_n", sigmaJson(s.sigmas.n)},
             {"shadow_taps", s.shadowTaps},

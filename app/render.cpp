@@ -34,6 +34,8 @@ struct Options {
     double fps = 60;
     std::optional<budget::Budget> budget;
     std::string controller = "yang";
+    double hysteresis = 0.05;
+    int bands = 0;
     budget::Levers levers;
     std::vector<std::string> aovs;
     fs::path settingsFile;  ///< of calibrate
@@ -79,6 +81,11 @@ void printPasses(const std::vector<PassTimes>& passes, double frameMs) {
     fmt::print("{}", table.text());
 }
 
+double medianScale(const Run& run, std::size_t settling) {
+    return budget::median(
+        {run.scales.begin() + static_cast<std::ptrdiff_t>(settling), run.scales.end()});
+}
+
 struct Outcome {
     Calibration calibration;
     std::optional<double> targetMs;
@@ -97,12 +104,15 @@ void printSummary(const Options& options, const Outcome& outcome) {
         table.row({"budget", formatMs(*outcome.targetMs),
                    percent(*outcome.targetMs / outcome.calibration.fullMs) + " of full quality"});
         table.row({"achieved", formatMs(trace.medianMs(settling)),
-                   fmt::format("median of {} frames, r = {:.2f}", options.frames,
-                               trace.medianRate(settling))});
+                   fmt::format("median of {} frames, {}", options.frames,
+                               options.controller == "proportional"
+                                   ? fmt::format("S = {:.2f}", medianScale(outcome.run, settling))
+                                   : fmt::format("r = {:.2f}", trace.medianRate(settling)))});
         table.row({"within 10 %", percent(trace.shareWithin(0.1, settling)),
                    fmt::format("of the frames after the first {}", settling)});
         table.row({"within 5 %", percent(trace.shareWithin(0.05, settling)), ""});
-        table.row({"r turns around in", percent(trace.turnShare(settling)), "of the frames"});
+        table.row({options.controller == "proportional" ? "S turns around in" : "r turns around in",
+                   percent(trace.turnShare(settling)), "of the frames"});
     } else {
         table.row(
             {"frame", formatMs(outcome.frameMs),
@@ -123,8 +133,10 @@ void printSummary(const Options& options, const Outcome& outcome) {
     fmt::print("\n{}", table.text());
     if (outcome.run.saturated)
         fmt::print(
-            "note: r is at its limit and the budget is still missed: what costs here is not the "
-            "coarse shading; raise the budget or lower --size\n");
+            "note: {} is at its limit and the budget is still missed: what costs here is not {}; "
+            "raise the budget or lower --size\n",
+            options.controller == "proportional" ? "S" : "r",
+            options.controller == "proportional" ? "the pixels" : "the coarse shading");
 }
 
 Result<void> writeReport(const Options& options, const Session& session, const frame::Frame& frame,
@@ -162,7 +174,11 @@ Result<void> writeReport(const Options& options, const Session& session, const f
                                  {"k_ms", outcome.calibration.model.k},
                                  {"c_ms", outcome.calibration.model.c}};
         Json frames = Json::array();
-        for (const auto& f : trace.frames()) frames.push_back({{"r", f.rate}, {"ms", f.ms}});
+        const bool byScale = options.controller == "proportional";
+        for (std::size_t i = 0; i < trace.frames().size(); ++i)
+            frames.push_back({{"r", byScale ? 1 : trace.frames()[i].rate},
+                              {"s", outcome.run.scales[i]},
+                              {"ms", trace.frames()[i].ms}});
         report.more["frames"] = frames;
     }
     return writeJson(options.json, toJson(report));
@@ -192,6 +208,8 @@ Result<void> run(Options options) {
     if (!camera) return tl::unexpected(camera.error());
     options.settings.size = vk::Extent2D{static_cast<std::uint32_t>(options.view.size.width),
                                          static_cast<std::uint32_t>(options.view.size.height)};
+    options.settings.maxScale = std::max(1.0f, options.levers.renderScale);
+    options.settings.motion = std::count(options.aovs.begin(), options.aovs.end(), "motion") > 0;
     frame::Frame frame(*session->device, *session->gpuScene, options.settings);
     fmt::print("{} at {}x{} on {}\n", printable(options.scene), options.view.size.width,
                options.view.size.height, session->device->description().name);
@@ -217,6 +235,10 @@ Result<void> run(Options options) {
         runOptions.calibration = outcome.calibration;
         outcome.targetMs = options.budget->targetMs(outcome.calibration.fullMs);
         if (options.controller != "none") runOptions.targetMs = outcome.targetMs;
+        if (options.controller == "proportional")
+            runOptions.proportional = {.most = std::max(1.0f, options.levers.renderScale),
+                                       .hysteresis = options.hysteresis,
+                                       .bands = options.bands};
     }
 
     std::vector<fs::path> files;
@@ -253,7 +275,14 @@ Result<void> run(Options options) {
     for (const auto& costs : outcome.run.costs) frameTimes.push_back(costs.gpuMs);
     outcome.frameMs = budget::median(frameTimes);
     if (options.reference) {
-        outcome.quality = judgeRun(*session, frame, outcome.run, options.fps);
+        // Full quality is a picture of its own, without what came before it.
+        frame::FrameSettings alone = frame.settings();
+        std::optional<frame::Frame> plain;
+        if (alone.temporal.mode != scale::TemporalMode::off) {
+            alone.temporal.mode = scale::TemporalMode::off;
+            plain.emplace(*session->device, *session->gpuScene, alone);
+        }
+        outcome.quality = judgeRun(*session, plain ? *plain : frame, outcome.run, options.fps);
         const auto written = writeReference(options.out, *outcome.quality,
                                             outcome.run.samples.back().picture, files);
         if (!written) return written;
@@ -321,8 +350,19 @@ void addRender(CLI::App& app, int& exitCode) {
             ->group("Run");
     command
         ->add_option("--controller", o->controller,
-                     "who holds the budget: yang (t = K/r² + C, 2008) or none")
-        ->check(CLI::IsMember({"yang", "none"}))
+                     "who holds the budget: yang (r by t = K/r² + C, 2008), proportional (S, 2011; "
+                     "from 0.5 to --scale or 1) or none")
+        ->check(CLI::IsMember({"yang", "proportional", "none"}))
+        ->capture_default_str()
+        ->group("Run");
+    command
+        ->add_option("--hysteresis", o->hysteresis,
+                     "proportional: S rests while the time is within this share of the budget")
+        ->check(CLI::Range(0.0, 1.0))
+        ->capture_default_str()
+        ->group("Run");
+    command->add_option("--bands", o->bands, "proportional: values that S may take; 0: any")
+        ->check(CLI::Range(0, 64))
         ->capture_default_str()
         ->group("Run");
     command
@@ -355,7 +395,7 @@ void addRender(CLI::App& app, int& exitCode) {
     addFrameOptions(*command, o->settings);
     addParsed(*command, "--aov", o->aovs, parseAovs,
               "also write these as EXR beside --out: depth, normal, albedo, roughness, metallic, "
-              "occlusion, id, shadow, ao")
+              "occlusion, id, shadow, ao, motion")
         ->type_name("NAME[,NAME]");
     addJsonOption(*command, o->json);
     addDeviceOption(*command, o->device.device);

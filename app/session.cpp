@@ -128,7 +128,7 @@ void describeDevice(const Session& session, Report& report) {
 }
 
 budget::FrameCosts costsOf(const gpu::FrameTimes& times) {
-    budget::FrameCosts costs{.gpuMs = times.gpuMs};
+    budget::FrameCosts costs{.gpuMs = times.gpuMs, .passes = {}, .intervalMs = times.wallMs};
     for (const gpu::PassTime& pass : times.passes) costs.passes.push_back({pass.name, pass.ms});
     return costs;
 }

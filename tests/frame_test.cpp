@@ -54,7 +54,7 @@ struct Stage {
     std::vector<std::uint32_t> ids() const {
         return gpu::as<std::uint32_t>(gpu::readImage(device, frame.ids()));
     }
-    std::vector<glm::vec4> halves(const gpu::Image& image) const {
+    std::vector<glm::vec4> halves(const gpu::View& image) const {
         std::vector<glm::vec4> texels;
         for (const std::uint64_t bits : gpu::as<std::uint64_t>(gpu::readImage(device, image)))
             texels.push_back(glm::unpackHalf4x16(bits));

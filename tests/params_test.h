@@ -3,11 +3,15 @@
 #ifndef LS_PARAMS_TEST_H
 #define LS_PARAMS_TEST_H
 #include "lodestar/geometry/cull_params.h"
+#include "lodestar/geometry/show_lods_params.h"
 #include "lodestar/gpu/prefix_sum_params.h"
 #include "lodestar/post/reduce_params.h"
 #include "lodestar/post/tonemap_params.h"
+#include "lodestar/scale/spatial_params.h"
+#include "lodestar/scale/temporal_params.h"
 #include "lodestar/scene/gpu_types.h"
 #include "lodestar/shading/coarse_params.h"
+#include "lodestar/shading/combine_params.h"
 #include "lodestar/shading/light_params.h"
 #include "lodestar/upsample/refine_params.h"
 #include "lodestar/upsample/upsample_params.h"
@@ -17,6 +21,7 @@
 #include "lodestar/visibility/compact_params.h"
 #include "lodestar/visibility/expand_params.h"
 #include "lodestar/visibility/fragments_params.h"
+#include "lodestar/visibility/motion_params.h"
 #include "lodestar/visibility/rebuild_params.h"
 #include "lodestar/visibility/sample_grid_params.h"
 #include "lodestar/visibility/view_params.h"
@@ -64,6 +69,13 @@ struct AllParams {
     FragmentsParams fragments;
     RebuildParams rebuild;
     SampleGridParams sampleGrid;
+    SpatialParams spatial;
+    CombineParams combine;
+    MotionParams motion;
+    ShowLodsParams showLods;
+    TemporalParams temporal;
+    TemporalSourceParams temporalSource;
+    TemporalShowParams temporalShow;
 };
 
 LS_NAMESPACE_END
@@ -134,10 +146,10 @@ LS_NAMESPACE_END
     VISIT(p.scan.source) VISIT(p.scan.result) VISIT(p.scan.times) VISIT(p.scan.capacity) \
     VISIT(p.scan.before) VISIT(p.scan.totals) \
     VISIT(p.phase.phase) VISIT(p.phase.table) \
-    VISIT(p.hiz.from) VISIT(p.hiz.to) VISIT(p.hiz.fromOffset) VISIT(p.hiz.toOffset) \
+    VISIT(p.hiz.from) VISIT(p.hiz.to) VISIT(p.hiz.fromOffset) VISIT(p.hiz.toOffset) VISIT(p.hiz.scale) \
     VISIT(p.capture.clipFromWorld) \
     VISIT(p.view.clipFromWorld) VISIT(p.view.viewFromWorld) VISIT(p.view.eye) \
-    VISIT(p.view.clipScale) \
+    VISIT(p.view.clipScale) VISIT(p.view.jitter) \
     VISIT(p.coarse.size) VISIT(p.coarse.fullSize) VISIT(p.coarse.rate) \
     VISIT(p.coarse.terms) VISIT(p.coarse.yang) VISIT(p.coarse.step) \
     LS_VISIT_VIEW(VISIT, p.lightView) \
@@ -151,7 +163,7 @@ LS_NAMESPACE_END
     LS_VISIT_VIEWS_4(VISIT, p.light.views, 0) LS_VISIT_VIEWS_4(VISIT, p.light.views, 4) \
     LS_VISIT_VIEWS_4(VISIT, p.light.views, 8) \
     LS_VISIT_VIEWS_4(VISIT, p.light.views, 12) LS_VISIT_VIEW(VISIT, p.light.views[16]) \
-    VISIT(p.upsample.size) VISIT(p.upsample.inverseRate) VISIT(p.upsample.depthFalloff) \
+    VISIT(p.upsample.size) VISIT(p.upsample.fullSize) VISIT(p.upsample.inverseRate) VISIT(p.upsample.depthFalloff) \
     VISIT(p.upsample.normalFalloff) VISIT(p.upsample.terms) VISIT(p.upsample.repairAbove) VISIT(p.upsample.repairSpread) \
     LS_VISIT_3(VISIT, p.repair.groups) VISIT(p.repair.listed) VISIT(p.repair.kept) \
     VISIT(p.repair.cut) LS_VISIT_BINS_16(VISIT, p.repair.bins, 0) \
@@ -160,7 +172,8 @@ LS_NAMESPACE_END
     LS_VISIT_3(VISIT, p.refineHeader.groups) VISIT(p.refineHeader.listed) \
     VISIT(p.refine.size) VISIT(p.refine.rate) VISIT(p.refine.spread) \
     VISIT(p.refine.depthFalloff) VISIT(p.refine.normalFalloff) VISIT(p.refine.unlike) \
-    VISIT(p.tonemap.exposure) VISIT(p.reduce.factor) VISIT(p.reduce.filterId) \
+    VISIT(p.tonemap.exposure) VISIT(p.tonemap.size) VISIT(p.reduce.factor) \
+    VISIT(p.reduce.filterId) \
     VISIT(p.compactVisibility.width) VISIT(p.compactVisibility.firstRow) \
     VISIT(p.compactVisibility.rows) VISIT(p.compactVisibility.band) \
     VISIT(p.compactVisibility.capacity) \
@@ -178,8 +191,21 @@ LS_NAMESPACE_END
     VISIT(p.expand.maskedFrom) \
     VISIT(p.fragments.clipFromWorld) VISIT(p.fragments.eye) VISIT(p.fragments.base) \
     VISIT(p.fragments.capacity) \
-    VISIT(p.rebuild.pixelNdc) \
-    VISIT(p.sampleGrid.size) VISIT(p.sampleGrid.fullSize) VISIT(p.sampleGrid.rate)
+    VISIT(p.rebuild.pixelNdc) VISIT(p.rebuild.size) VISIT(p.rebuild.textureScale) \
+    VISIT(p.sampleGrid.size) VISIT(p.sampleGrid.fullSize) VISIT(p.sampleGrid.rate) \
+    VISIT(p.spatial.step) VISIT(p.spatial.texelSize) VISIT(p.spatial.last) \
+    VISIT(p.spatial.live) VISIT(p.spatial.size) VISIT(p.spatial.amount) VISIT(p.spatial.seed) \
+    VISIT(p.combine.size) \
+    VISIT(p.motion.previousClipFromWorld) VISIT(p.motion.size) VISIT(p.showLods.scale) \
+    VISIT(p.temporal.texelSize) VISIT(p.temporal.last) VISIT(p.temporal.live) \
+    VISIT(p.temporal.jitter) VISIT(p.temporal.size) VISIT(p.temporal.falloff) \
+    VISIT(p.temporal.memory) VISIT(p.temporal.known) VISIT(p.temporal.moved) \
+    VISIT(p.temporalSource.texelSize) VISIT(p.temporalSource.last) \
+    VISIT(p.temporalSource.live) VISIT(p.temporalSource.jitter) \
+    VISIT(p.temporalSource.lastBefore) VISIT(p.temporalSource.liveBefore) \
+    VISIT(p.temporalSource.jitterBefore) VISIT(p.temporalSource.size) \
+    VISIT(p.temporalSource.k) VISIT(p.temporalSource.known) \
+    VISIT(p.temporalShow.size) VISIT(p.temporalShow.sharpness)
 // clang-format on
 
 #endif

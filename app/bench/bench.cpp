@@ -103,12 +103,21 @@ std::string csvCell(const Json& value) {
 }  // namespace
 
 const std::vector<Bench>& benches() {
-    static const std::vector<Bench> all{
-        shadingRateBench(),    framebufferLodBench(),    sigmaBench(),
-        splitBench(),          shadingFlickerBench(),    framerateControlBench(),
-        budgetHoldBench(),     visibilityQualityBench(), visibilityMemoryBench(),
-        visibilityTimeBench(), geometryLodBench(),       cullingScaleBench(),
-        lodQualityBench()};
+    static const std::vector<Bench> all{shadingRateBench(),
+                                        framebufferLodBench(),
+                                        sigmaBench(),
+                                        splitBench(),
+                                        shadingFlickerBench(),
+                                        framerateControlBench(),
+                                        budgetHoldBench(),
+                                        scalingFiltersBench(),
+                                        temporalBench(),
+                                        visibilityQualityBench(),
+                                        visibilityMemoryBench(),
+                                        visibilityTimeBench(),
+                                        geometryLodBench(),
+                                        cullingScaleBench(),
+                                        lodQualityBench()};
     return all;
 }
 

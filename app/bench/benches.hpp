@@ -18,6 +18,10 @@ Bench framerateControlBench();
 Bench shadingFlickerBench();
 /// The automatic choice of what is resized against splits made by hand.
 Bench splitBench();
+/// Cost and quality of the scaling filters at S = 0.5 … 2, and of the frame at those scales.
+Bench scalingFiltersBench();
+/// Quality over time of joined pictures, against full quality and against none joined.
+Bench temporalBench();
 /// How well a budget is held along a camera path.
 Bench budgetHoldBench();
 /// Tables 1 and 2 of the thesis: attributes and shading rebuilt from visibility, against REF.

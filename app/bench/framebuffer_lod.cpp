@@ -170,7 +170,7 @@ Result<void> measureScene(const PaperScene& paper, const BenchCase& what,
         }
     bar.erase();
 
-    const auto depth = gpu::as<float>(gpu::readImage(device, frames.bilateral.surface().depth));
+    const auto depth = gpu::as<float>(gpu::readImage(device, frames.bilateral.depth()));
     const auto edges = depthEdgeMask(depth, options.view.size.width, options.view.size.height);
     for (const Measured& m : all)
         result.rows.push_back(rowOf(m, all.front(), paper, what, options, load, edges));

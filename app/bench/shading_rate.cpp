@@ -181,7 +181,7 @@ Result<void> measureScene(const BenchCase& what, const BenchOptions& options, Be
     }
     bar.erase();
 
-    const auto depth = gpu::as<float>(gpu::readImage(device, bilateral.surface().depth));
+    const auto depth = gpu::as<float>(gpu::readImage(device, bilateral.depth()));
     const auto edges = depthEdgeMask(depth, options.view.size.width, options.view.size.height);
     const Method& full = methods.front();
     for (const Method& method : methods)

@@ -186,13 +186,13 @@ Result<void> measureUpscale(const VisibilitySubject& subject, const NamedSize& s
 }
 
 /// Linear radiance of a frame, tone-mapped and encoded after averaging n × n pixels.
-quality::RgbImage averaged(const gpu::Device& device, const gpu::Image& radiance, std::uint32_t n,
+quality::RgbImage averaged(const gpu::Device& device, const gpu::View& radiance, std::uint32_t n,
                            float exposure) {
     const auto halves = gpu::as<std::uint64_t>(gpu::readImage(device, radiance));
-    const vk::Extent2D size{radiance.extent().width / n, radiance.extent().height / n};
+    const vk::Extent2D size{radiance.extent.width / n, radiance.extent.height / n};
     std::vector<glm::vec3> sums(std::size_t{size.width} * size.height);
     for (std::size_t i = 0; i < halves.size(); ++i) {
-        const std::size_t x = i % radiance.extent().width, y = i / radiance.extent().width;
+        const std::size_t x = i % radiance.extent.width, y = i / radiance.extent.width;
         sums[y / n * size.width + x / n] += glm::vec3(glm::unpackHalf4x16(halves[i]));
     }
     quality::RgbImage picture(static_cast<int>(size.width), static_cast<int>(size.height));

@@ -22,6 +22,7 @@ add_library(lodestar STATIC
     visibility/compact.cpp
     visibility/expand.cpp
     visibility/fragments.cpp
+    visibility/motion.cpp
     visibility/rebuild.cpp
     visibility/sample_grid.cpp
     shading/coarse.cpp
@@ -32,9 +33,12 @@ add_library(lodestar STATIC
     upsample/upsample.cpp
     post/reduce.cpp
     post/tonemap.cpp
+    scale/spatial.cpp
+    scale/temporal.cpp
     frame/capture_frame.cpp
     frame/frame.cpp
     frame/light_maps.cpp
+    frame/motion_tracker.cpp
 )
 add_library(lodestar::lodestar ALIAS lodestar)
 target_link_libraries(lodestar
@@ -67,6 +71,7 @@ lodestar_shaders(lodestar
     visibility/compact.comp
     visibility/expand.comp
     visibility/fragments.comp
+    visibility/motion.comp
     visibility/rebuild.comp
     visibility/sample_grid.comp
     visibility/resolve.comp
@@ -81,4 +86,8 @@ lodestar_shaders(lodestar
     upsample/upsample.comp
     post/reduce.comp
     post/tonemap.comp
+    scale/spatial.comp
+    scale/temporal.comp
+    scale/temporal_show.comp
+    scale/temporal_source.comp
 )

@@ -27,6 +27,9 @@ struct Levers {
     /// further apart than this (0 … 1); 0 = all are.
     float localRate = 0;
 
+    /// S: the frame is rendered at S·W × S·H and scaled to W × H; above 1 it is supersampled.
+    float renderScale = 1;
+
     /// The whole shading goes to grid S, not the expensive terms alone (the paper's full resizing).
     bool resizeAll = false;
 
@@ -45,6 +48,7 @@ struct PassCost {
 struct FrameCosts {
     double gpuMs = 0;              ///< first to last timestamp of the frame
     std::vector<PassCost> passes;  ///< in frame order
+    double intervalMs = 0;         ///< from this frame's start to the next one's; 0 = unknown
 };
 
 }  // namespace lodestar::budget

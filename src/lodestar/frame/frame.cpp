@@ -83,6 +83,17 @@ std::vector<RateGroup> rateGroups(const budget::Levers& levers, float supersampl
     return groups;
 }
 
+constexpr float kLeastScale = 0.5f, kMostScale = 2;
+
+/// `size` at a render scale, at least a pixel and at most what a target can be.
+vk::Extent2D scaled(vk::Extent2D size, float scale) {
+    const auto along = [&](std::uint32_t n) {
+        return std::clamp(static_cast<std::uint32_t>(std::lround(static_cast<float>(n) * scale)),
+                          1u, 16384u);
+    };
+    return {along(size.width), along(size.height)};
+}
+
 float luminance(glm::vec3 color) {
     return glm::dot(color, glm::vec3(0.2126f, 0.7152f, 0.0722f));
 }
@@ -97,6 +108,8 @@ geometry::LodChoice lightLods(const geometry::LodChoice& eye) {
 const FrameSettings& checked(const FrameSettings& s) {
     if (s.size.width < 1 || s.size.height < 1 || s.size.width > 16384 || s.size.height > 16384)
         throw std::invalid_argument("FrameSettings::size must be 1 … 16384 pixels a side");
+    if (!(s.maxScale >= kLeastScale && s.maxScale <= kMostScale))
+        throw std::invalid_argument("FrameSettings::maxScale must be 0.5 … 2");
     if (s.shadowTaps > 64) throw std::invalid_argument("FrameSettings::shadowTaps must be ≤ 64");
     if (s.shadowMapSize < 16 || s.shadowMapSize > 16384)
         throw std::invalid_argument("FrameSettings::shadowMapSize must be 16 … 16384");
@@ -118,6 +131,8 @@ const FrameSettings& checked(const FrameSettings& s) {
             "FrameSettings::supersample must be 1 … 4, and O ≤ 16384 a side");
     if (s.supersample > 1 && s.showLods)
         throw std::invalid_argument("FrameSettings::showLods: not with supersample");
+    if (s.supersample > 1 && s.temporal.mode != scale::TemporalMode::off)
+        throw std::invalid_argument("FrameSettings::temporal: not with supersample");
     return s;
 }
 
@@ -142,6 +157,8 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
     : device(&owner),
       scene(&gpuScene),
       options(s),
+      room(scaled(s.size, std::max(s.maxScale, 1.0f))),
+      live(s.size),
       sky(sunDirection(gpuScene, s)),
       irradiance(sky.irradiance()),
       aspect(s.aspect > 0 ? s.aspect
@@ -156,6 +173,7 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       repairSelect(owner),
       combine(owner, gpuScene.features()),
       tonemap(owner),
+      spatial(owner),
       eyeList(owner, gpuScene, "eye"),
       hiz(owner, s.size, "hi-z"),
       lightMaps(owner, gpuScene, sky,
@@ -165,22 +183,26 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
                  .shadows = s.shadowTaps > 0,
                  .shadowDistance = s.shadowDistance,
                  .lod = lightLods(s.lod)}),
-      repairList(owner, s.size),
-      refineList(owner, s.size),
+      repairList(owner, room),
+      refineList(owner, room),
       viewBuffer(owner, "view", sizeof(shared::ViewParams), gpu::Residence::mapped),
       lightBuffer(owner, "light", sizeof(shared::LightParams), gpu::Residence::mapped),
-      idImage(target(owner, s.size, vk::Format::eR32Uint, "ids",
+      idImage(target(owner, room, vk::Format::eR32Uint, "ids",
                      Usage::eColorAttachment | Usage::eStorage)),
-      depthBuffer(target(owner, s.size, vk::Format::eD32Sfloat, "depth buffer",
+      depthBuffer(target(owner, room, vk::Format::eD32Sfloat, "depth buffer",
                          Usage::eDepthStencilAttachment)),
       skyImage(makeSkyImage(owner, sky)),
-      coarseImage(target(owner, s.size, vk::Format::eR32G32B32A32Uint, "coarse", Usage::eStorage)),
-      termImage(target(owner, s.size, vk::Format::eR16G16B16A16Sfloat, "terms", Usage::eStorage)),
+      coarseImage(target(owner, room, vk::Format::eR32G32B32A32Uint, "coarse", Usage::eStorage)),
+      termImage(target(owner, room, vk::Format::eR16G16B16A16Sfloat, "terms", Usage::eStorage)),
       radianceImage(
-          target(owner, s.size, vk::Format::eR16G16B16A16Sfloat, "radiance", Usage::eStorage)),
+          target(owner, room, vk::Format::eR16G16B16A16Sfloat, "radiance", Usage::eStorage)),
+      shownImage(target(owner, room, vk::Format::eR8G8B8A8Unorm, "shown", Usage::eStorage)),
       displayImage(target(owner, shown, vk::Format::eR8G8B8A8Unorm, "display", Usage::eStorage)),
-      surfaces(owner, s.size),
+      surfaces(owner, room),
       rec(owner) {
+    const bool joins = s.temporal.mode != scale::TemporalMode::off;
+    if (s.motion || joins) tracker.emplace(owner, gpuScene, room);
+    if (joins) temporal.emplace(owner, room, s.size, s.temporal);
     // A sun of the file has the colour it says. Its strength sets what a lux is: the sky is as
     // bright beside it as beside the real sun, lamps and emissive surfaces as the file has them.
     sunIlluminance = sky.sunIlluminance();
@@ -196,38 +218,41 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
         options.exposure = 1;
         render(camera, {});
         meter();
+        reset();
     }
-    rec.begin();
-    lightMaps.update(rec, *scene, cull, camera, aspect);
-    writeUniforms(camera);
+    if ((levers.renderScale != 1 || options.maxScale > 1) && (reduction || levers.localRate > 0))
+        throw std::invalid_argument("Levers::renderScale: not with supersample or a local rate");
+    if (temporal && levers.resizeAll)
+        throw std::invalid_argument("Levers::resizeAll leaves nothing to join pictures by");
+    begin(camera, levers.renderScale, options.temporal.mode);
 
     // Which triangle does each pixel show?
     findVisible({.clipFromWorld = clipFromWorld(camera),
                  .eye = camera.eye,
-                 .size = options.size,
+                 .size = live,
                  .cull = options.cull,
                  .lod = options.lod});
 
+    if (tracker) tracker->record(rec, *scene, ids(), viewBuffer, steadyClipFromWorld(camera));
     shade(levers);
     if (options.showLods) {
         rec.barrier(Stage::compute, Stage::compute);
-        showLods.record(rec, *scene, idImage, displayImage);
+        showLods.record(rec, *scene, ids(), displayImage);
     }
     return rec.submit();
 }
 
 gpu::FrameTimes Frame::renderOutside(const scene::Camera& outside) {
-    rec.begin();
-    lightMaps.update(rec, *scene, cull, outside, aspect);
-    writeUniforms(outside);
+    begin(outside, 1, scale::TemporalMode::off);
     rec.barrier(Stage::compute, Stage::raster);
-    capture.record(rec, *scene, eyeList, clipFromWorld(outside), {idImage, depthBuffer}, "capture");
+    capture.record(rec, *scene, eyeList, clipFromWorld(outside), {ids(), part(depthBuffer, live)},
+                   "capture");
     rec.barrier(Stage::raster, Stage::compute);
-    hiz.reset();  // the depth buffer shows another view now
+    reset();  // the targets show another view now
     shade({});
     if (options.showLods) {
         rec.barrier(Stage::compute, Stage::compute);
-        showLods.record(rec, *scene, idImage, displayImage);
+        showLods.record(rec, *scene, ids(), displayImage);
     }
     return rec.submit();
 }
@@ -241,13 +266,26 @@ gpu::FrameTimes Frame::rebuild(const visibility::CompactRecord& from, const scen
     }
     if (!rebuilding || rebuilding->side != from.side)
         rebuilding = Rebuilding{from.side, {*device, from.side}};
+    begin(camera, levers.renderScale, scale::TemporalMode::off);
+    rebuilding->expand.record(rec, *scene, from, clipFromWorld(camera), ids());
+    rec.barrier(Stage::compute, Stage::compute);
+    if (tracker) tracker->record(rec, *scene, ids(), viewBuffer, steadyClipFromWorld(camera));
+    shade(levers);
+    return rec.submit();
+}
+
+void Frame::begin(const scene::Camera& camera, float renderScale, scale::TemporalMode mode) {
+    if (!(renderScale >= kLeastScale && renderScale <= std::max(options.maxScale, 1.0f)))
+        throw std::invalid_argument("Levers::renderScale must be 0.5 … FrameSettings::maxScale");
+    live = scaled(options.size, renderScale);
+    repairList.size = live;
+    joining = mode;
+    const glm::vec2 grid(live.width, live.height);
+    jitter = 2.0f * scale::jitterOf(mode, pictures++, renderScale) / grid;
+    textureScale = scale::textureScaleOf(mode, renderScale);
     rec.begin();
     lightMaps.update(rec, *scene, cull, camera, aspect);
     writeUniforms(camera);
-    rebuilding->expand.record(rec, *scene, from, clipFromWorld(camera), idImage);
-    rec.barrier(Stage::compute, Stage::compute);
-    shade(levers);
-    return rec.submit();
 }
 
 void Frame::shade(const budget::Levers& levers) {
@@ -257,14 +295,14 @@ void Frame::shade(const budget::Levers& levers) {
         return;
     }
     // What is exact on grid O, and the expensive terms on grids S.
-    rebuildPass.record(rec, *scene, {idImage, viewBuffer}, surfaces);
+    rebuildPass.record(rec, *scene, {ids(), viewBuffer, {}, live, textureScale}, surfaces);
     evaluateTerms(levers);
     rec.barrier(Stage::compute, Stage::compute);
 
     combine.record(rec,
                    {viewBuffer, lightBuffer, surfaces.depth, surfaces.material, surfaces.emissive,
                     termImage, skyImage, scene->lights},
-                   radianceImage);
+                   radiance());
     show();
 }
 
@@ -274,14 +312,35 @@ void Frame::show() {
     if (reduction) {
         reduction->pass.record(rec, radianceImage, options.reduce, reduction->radiance);
         rec.barrier(Stage::compute, Stage::compute);
+        tonemap.record(rec, reduction->radiance, options.exposure, displayImage);
+        return;
     }
-    tonemap.record(rec, reduction ? reduction->radiance : radianceImage, options.exposure,
-                   displayImage);
+    const bool joins = joining != scale::TemporalMode::off;
+    if (live == options.size && !joins) {
+        tonemap.record(rec, radianceImage, options.exposure, displayImage);
+        return;
+    }
+    tonemap.record(rec, radianceImage, options.exposure, part(shownImage, live));
+    rec.barrier(Stage::compute, Stage::compute);
+    if (!joins) {
+        spatial.record(rec, shownImage, live, options.scaling, displayImage);
+        return;
+    }
+    temporal->record(rec,
+                     {.color = shownImage,
+                      .motion = tracker->motion(),
+                      .depth = surfaces.depth,
+                      .terms = termImage,
+                      .material = surfaces.material,
+                      .live = live,
+                      .jitter = jitter * glm::vec2(live.width, live.height) * 0.5f,
+                      .moved = tracker->moved()},
+                     displayImage);
 }
 
 Frame::Whole Frame::makeWhole() const {
     const auto image = [&](vk::Format format, const char* name) {
-        return target(*device, options.size, format, name, Usage::eStorage);
+        return target(*device, room, format, name, Usage::eStorage);
     };
     return {.sampleGrid = visibility::SampleGrid(*device),
             .guides = {*device, scene::SceneFeatures{}, true},
@@ -290,45 +349,56 @@ Frame::Whole Frame::makeWhole() const {
             .points = image(vk::Format::eR32G32Sfloat, "grid S: points"),
             .terms = image(vk::Format::eR16G16B16A16Sfloat, "grid S: terms"),
             .radiance = image(vk::Format::eR16G16B16A16Sfloat, "grid S: radiance"),
-            .surfaces = {*device, options.size}};
+            .surfaces = {*device, room}};
 }
 
 /// Everything on grid S, reconstructed as one colour: what the paper calls full resizing.
 void Frame::shadeOnGridS(float rate) {
     if (!whole) whole.emplace(makeWhole());
     listHolds = refines = false;
-    const vk::Extent2D size = shading::coarseExtent(options.size, rate);
-    const auto part = [&](const gpu::Image& image) {
-        gpu::View view = image;
-        view.extent = size;
-        return view;
-    };
-    const gpu::View ids = part(whole->ids), points = part(whole->points);
-    whole->sampleGrid.record(rec, idImage, rate, {ids, points});
+    const vk::Extent2D size = shading::coarseExtent(live, rate);
+    const auto onS = [&](const gpu::Image& image) { return part(image, size); };
+    const gpu::View ids = onS(whole->ids), points = onS(whole->points);
+    whole->sampleGrid.record(rec, this->ids(), rate, {ids, points});
     rec.barrier(Stage::compute, Stage::compute);
     rebuildPass.record(rec, *scene, {ids, viewBuffer, points, size}, whole->surfaces);
     coarse.recordFull(
         rec, *scene,
         {ids, lightMaps.sunMap(), lightMaps.skyMaps(), viewBuffer, lightBuffer, points},
-        shared::LS_ALL_TERMS, part(whole->terms));
+        shared::LS_ALL_TERMS, onS(whole->terms));
     rec.barrier(Stage::compute, Stage::compute);
     const visibility::Surface& surface = whole->surfaces;
     combine.record(rec,
                    {viewBuffer, lightBuffer, surface.depth, surface.material, surface.emissive,
                     whole->terms, skyImage, scene->lights, points},
-                   part(whole->radiance));
+                   onS(whole->radiance));
     // Conventional resizing has no guides and needs no depth and normal of O.
     const bool guided = upsample.guided();
-    if (guided) whole->guides.record(rec, *scene, {idImage, viewBuffer}, surfaces);
+    if (guided) whole->guides.record(rec, *scene, {this->ids(), viewBuffer}, surfaces);
     rec.barrier(Stage::compute, Stage::compute);
-    whole->pack.record(rec, {part(whole->radiance), surface.depth, surface.normal}, coarseImage);
+    whole->pack.record(rec, {onS(whole->radiance), surface.depth, surface.normal}, coarseImage);
     rec.barrier(Stage::compute, Stage::compute);
-    upsample.record(rec, {coarseImage, surfaces.depth, surfaces.normal, size, rate}, options.sigmas,
-                    radianceImage);
+    upsample.record(rec, {coarseImage, depth(), surfaces.normal, size, rate}, options.sigmas,
+                    radiance());
+}
+
+void Frame::reset() {
+    hiz.reset();
+    if (tracker) tracker->reset();
+    if (temporal) temporal->reset();
+}
+
+glm::mat4 Frame::steadyClipFromWorld(const scene::Camera& camera) const {
+    return camera.clipFromView(aspect) * camera.viewFromWorld();
 }
 
 glm::mat4 Frame::clipFromWorld(const scene::Camera& camera) const {
-    return camera.clipFromView(aspect) * camera.viewFromWorld();
+    glm::mat4 clip = steadyClipFromWorld(camera);
+    for (int i = 0; i < 4; ++i) {
+        clip[i].x += jitter.x * clip[i].w;
+        clip[i].y += jitter.y * clip[i].w;
+    }
+    return clip;
 }
 
 Frame::Smooth Frame::makeSmooth(const visibility::CompactRecord& from,
@@ -371,9 +441,7 @@ gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
         return rebuildAntialiased(from, camera);
     }
 
-    rec.begin();
-    lightMaps.update(rec, *scene, cull, camera, aspect);
-    writeUniforms(camera);
+    begin(camera, 1, scale::TemporalMode::off);
     auto& set = smooth->set;
     smooth->fragments.recordWrite(rec, *scene, from, clipFromWorld(camera), camera.eye, set);
     rec.barrier(Stage::compute, Stage::compute);
@@ -392,18 +460,13 @@ gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
                        radiance);
     };
     shadeAt(set.ids, set.points, surfaces, termImage, smooth->mainRadiance);
-    const auto part = [&](const gpu::Image& image) {
-        gpu::View view = image;
-        view.extent = set.moreExtent();
-        return view;
-    };
+    const auto more = [&](const gpu::Image& image) { return part(image, set.moreExtent()); };
     if (set.needed() > 0)
-        shadeAt(part(set.moreIds), part(set.morePoints), smooth->surfaces, part(smooth->terms),
-                part(smooth->radiance));
+        shadeAt(more(set.moreIds), more(set.morePoints), smooth->surfaces, more(smooth->terms),
+                more(smooth->radiance));
     rec.barrier(Stage::compute, Stage::compute);
-    smooth->resolve.record(rec, set, smooth->mainRadiance, smooth->radiance, radianceImage);
-    rec.barrier(Stage::compute, Stage::compute);
-    tonemap.record(rec, radianceImage, options.exposure, displayImage);
+    smooth->resolve.record(rec, set, smooth->mainRadiance, smooth->radiance, radiance());
+    show();
     gpu::FrameTimes times = rec.submit();
     times.gpuMs += counted.gpuMs;
     times.wallMs += counted.wallMs;
@@ -416,7 +479,7 @@ gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
 /// after a cut the first phase draws next to nothing, and what that hides is next to nothing too.
 void Frame::findVisible(const geometry::CullView& view) {
     using Phase = visibility::CaptureSs::Phase;
-    const visibility::CaptureSs::Target target{idImage, depthBuffer};
+    const visibility::CaptureSs::Target target{ids(), part(depthBuffer, live)};
     const auto draw = [&](const char* name, Phase phase) {
         rec.barrier(Stage::compute, Stage::raster);
         rec.barrier(Stage::compute, Stage::indirect);
@@ -430,14 +493,14 @@ void Frame::findVisible(const geometry::CullView& view) {
     }
     cull.recordFirst(rec, *scene, view, eyeList, hiz);
     draw("capture", Phase::first);
-    hiz.record(rec, depthBuffer, view.clipFromWorld);
+    hiz.record(rec, part(depthBuffer, live), view.clipFromWorld);
     cull.recordSecond(rec, *scene, eyeList, hiz);
     draw("capture rest", Phase::second);
-    hiz.record(rec, depthBuffer, view.clipFromWorld);
+    hiz.record(rec, part(depthBuffer, live), view.clipFromWorld);
 }
 
 void Frame::evaluateTerms(const budget::Levers& levers) {
-    const shading::Coarse::Inputs inputs{.ids = idImage,
+    const shading::Coarse::Inputs inputs{.ids = ids(),
                                          .sunMap = lightMaps.sunMap(),
                                          .skyMaps = lightMaps.skyMaps(),
                                          .view = viewBuffer,
@@ -462,8 +525,8 @@ void Frame::evaluateTerms(const budget::Levers& levers) {
         evaluateOnGridS(inputs, group.terms, group.rate, levers.localRate);
         rec.barrier(Stage::compute, Stage::compute);
         upsample.record(rec,
-                        {coarseImage, surfaces.depth, surfaces.normal,
-                         shading::coarseExtent(options.size, group.rate), group.rate},
+                        {coarseImage, depth(), surfaces.normal,
+                         shading::coarseExtent(live, group.rate), group.rate},
                         options.sigmas, termImage,
                         {.channels = mask,
                          .repair = lists ? &repairList : nullptr,
@@ -483,9 +546,8 @@ void Frame::evaluateOnGridS(const shading::Coarse::Inputs& inputs, shading::Coar
     if (localRate == 0) return;
     refines = true;
     rec.barrier(Stage::compute, Stage::compute);
-    refine.record(
-        rec, {surfaces.depth, surfaces.normal, shading::coarseExtent(options.size, rate), rate},
-        options.sigmas, localRate, coarseImage, refineList);
+    refine.record(rec, {surfaces.depth, surfaces.normal, shading::coarseExtent(live, rate), rate},
+                  options.sigmas, localRate, coarseImage, refineList);
     coarse.recordListed(rec, *scene, inputs, terms, rate, refineList, coarseImage);
 }
 
@@ -512,7 +574,7 @@ std::uint32_t Frame::repairedPixels() const {
 
 void Frame::meter() {
     std::vector<glm::vec4> texels;
-    for (const auto bits : gpu::as<std::uint64_t>(gpu::readImage(*device, radianceImage)))
+    for (const auto bits : gpu::as<std::uint64_t>(gpu::readImage(*device, radiance())))
         texels.push_back(glm::unpackHalf4x16(bits));
     options.exposure = post::meteredExposure(texels);
 }
@@ -520,10 +582,11 @@ void Frame::meter() {
 void Frame::writeUniforms(const scene::Camera& camera) {
     const glm::mat4 clipFromView = camera.clipFromView(aspect);
     *viewBuffer.mapped<shared::ViewParams>() = {
-        .clipFromWorld = clipFromView * camera.viewFromWorld(),
+        .clipFromWorld = clipFromWorld(camera),
         .viewFromWorld = camera.viewFromWorld(),
         .eye = camera.eye,
-        .clipScale = {clipFromView[0][0], clipFromView[1][1]}};
+        .clipScale = {clipFromView[0][0], clipFromView[1][1]},
+        .jitter = jitter};
 
     const float cell =
         options.noiseScale > 0 ? options.noiseScale : std::max(scene->bounds().radius() / 8, 1e-6f);

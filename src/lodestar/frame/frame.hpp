@@ -6,10 +6,13 @@
 
 #include <lodestar/budget/levers.hpp>
 #include <lodestar/frame/light_maps.hpp>
+#include <lodestar/frame/motion_tracker.hpp>
 #include <lodestar/geometry/cull.hpp>
 #include <lodestar/geometry/show_lods.hpp>
 #include <lodestar/post/reduce.hpp>
 #include <lodestar/post/tonemap.hpp>
+#include <lodestar/scale/spatial.hpp>
+#include <lodestar/scale/temporal.hpp>
 #include <lodestar/scene/camera.hpp>
 #include <lodestar/shading/coarse.hpp>
 #include <lodestar/shading/combine.hpp>
@@ -27,6 +30,10 @@ namespace lodestar::frame {
 /// What stays the same from frame to frame. What a budget may change is in budget::Levers.
 struct FrameSettings {
     vk::Extent2D size{1280, 720};
+    /// Largest Levers::renderScale: targets are made for it (or for 1) once, and smaller scales use
+    /// a part of them. At most 2.
+    float maxScale = 1;
+    scale::SpatialOptions scaling;  ///< how a frame of another scale becomes one of `size`
     glm::vec3 toSun{0.5f, 0.8f, 0.35f};
     std::uint32_t shadowTaps = 9;        ///< N of the N×N PCF; 0 = no shadow
     std::uint32_t shadowMapSize = 2048;  ///< texels a side
@@ -38,10 +45,13 @@ struct FrameSettings {
     std::uint32_t noiseWarps = 0;        ///< times the pattern warps its own domain, at most 8
     float noiseScale = 0;      ///< cells of its first octave [scene units]; 0 = 1/8 of the scene
     float leastWeight = 0.1f;  ///< pixels reconstructed from less may be repaired
-    float exposure = 1;        ///< 0: metered on the first frame, and kept
-    float aspect = 0;          ///< width / height that the picture shows; 0 = that of `size`
+    bool motion = false;       ///< make motion vectors of every picture; temporal does so too
+    scale::TemporalOptions temporal;  ///< of render(): how the pictures of a sequence are joined
+    float exposure = 1;               ///< 0: metered on the first frame, and kept
+    float aspect = 0;                 ///< width / height that the picture shows; 0 = that of `size`
     /// O is this many times `size` along an axis, 1 … 4, and filtered down. Rates of shading count
-    /// from `size`: edges get all the samples, the expensive terms none extra.
+    /// from `size`: edges get all the samples, the expensive terms none extra. Levers::renderScale
+    /// is 1 then.
     std::uint32_t supersample = 1;
     post::ReduceFilter reduce = post::ReduceFilter::box;
     upsample::Reconstruct reconstruct = upsample::Reconstruct::bilateral;
@@ -76,11 +86,20 @@ public:
 
     /// The last picture: RGBA8, sRGB-encoded.
     const gpu::Image& display() const { return displayImage; }
-    const gpu::Image& radiance() const { return radianceImage; }
-    const gpu::Image& ids() const { return idImage; }
-    const visibility::Surface& surface() const { return surfaces; }
+    /// Grid O of the last picture: Levers::renderScale · size. What follows has this extent.
+    vk::Extent2D grid() const { return live; }
+    /// The picture before it was scaled, RGBA8, its live part of the extent grid(); written only
+    /// where that is not the size of the display.
+    const gpu::Image& shown() const { return shownImage; }
+    gpu::View radiance() const { return part(radianceImage, live); }
+    gpu::View ids() const { return part(idImage, live); }
+    gpu::View depth() const { return part(surfaces.depth, live); }
+    gpu::View normal() const { return part(surfaces.normal, live); }
+    gpu::View material() const { return part(surfaces.material, live); }
     /// RGBA16_SFLOAT: share of the sun seen, share of the sky seen.
-    const gpu::Image& terms() const { return termImage; }
+    gpu::View terms() const { return part(termImage, live); }
+    /// See visibility::Motion; only with FrameSettings::motion.
+    gpu::View motion() const { return part(tracker.value().motion(), live); }
     /// Pixels of the last frame whose coarse terms were evaluated anew. Waits for the device.
     std::uint32_t repairedPixels() const;
     /// Texels of grid S that a local rate had evaluated beside every second one, in the last
@@ -92,20 +111,26 @@ public:
     const geometry::DrawList& drawList() const { return eyeList; }
     /// Forgets the last picture, which is otherwise used to guess what hides what.
     void resetOcclusion() { hiz.reset(); }
+    /// Forgets it for motion too: the camera was cut.
+    void reset();
     /// As given, but `size` is that of grid O; the exposure as in use.
     const FrameSettings& settings() const { return options; }
 
 private:
     Frame(const gpu::Device&, const scene::GpuScene&, const FrameSettings&, vk::Extent2D shown);
+    /// Begins a picture: its grid O, light maps and uniforms.
+    void begin(const scene::Camera&, float renderScale, scale::TemporalMode);
     void shade(const budget::Levers&);
+    /// From radiance on grid O to the display.
+    void show();
     void evaluateTerms(const budget::Levers&);
     void evaluateOnGridS(const shading::Coarse::Inputs&, shading::Coarse::Mask, float rate,
                          float localRate);
     void shadeOnGridS(float rate);
-    void show();
     /// Sets the exposure by the last frame's radiance.
     void meter();
     glm::mat4 clipFromWorld(const scene::Camera&) const;
+    glm::mat4 steadyClipFromWorld(const scene::Camera&) const;
 
     /// What rebuilding from records of one rate needs.
     struct Rebuilding {
@@ -142,6 +167,10 @@ private:
     const gpu::Device* device;
     const scene::GpuScene* scene;
     FrameSettings options;
+    vk::Extent2D room;    ///< of the targets
+    vk::Extent2D live;    ///< the part of them that is grid O of this frame
+    glm::vec2 jitter{0};  ///< of this frame [NDC]
+    float textureScale = 1;
     shading::Sky sky;
     std::array<glm::vec3, 9> irradiance;  ///< of the sky
     glm::vec3 sunIlluminance{0};
@@ -158,6 +187,7 @@ private:
     upsample::RepairSelect repairSelect;
     shading::Combine combine;
     post::Tonemap tonemap;
+    scale::Spatial spatial;
 
     geometry::DrawList eyeList;
     geometry::HiZ hiz;
@@ -167,9 +197,14 @@ private:
     bool listHolds = false;  ///< whether the last frame filled the list
     bool refines = false;    ///< whether it had a local rate
     gpu::Buffer viewBuffer, lightBuffer;
-    gpu::Image idImage, depthBuffer, skyImage, coarseImage, termImage, radianceImage, displayImage;
+    gpu::Image idImage, depthBuffer, skyImage, coarseImage, termImage, radianceImage, shownImage,
+        displayImage;
     visibility::Surface surfaces;
 
+    std::optional<MotionTracker> tracker;
+    std::optional<scale::Temporal> temporal;
+    scale::TemporalMode joining = scale::TemporalMode::off;  ///< of this frame
+    std::uint32_t pictures = 0;
     std::optional<Rebuilding> rebuilding;
     std::optional<Smooth> smooth;
     std::optional<Whole> whole;

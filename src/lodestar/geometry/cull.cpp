@@ -197,8 +197,6 @@ void Cull::record(gpu::Recorder& rec, const scene::GpuScene& scene, const CullVi
 
 void Cull::recordFirst(gpu::Recorder& rec, const scene::GpuScene& scene, const CullView& view,
                        DrawList& list, const HiZ& hiz) const {
-    if (hiz.size() != view.size)
-        throw std::invalid_argument("Cull::recordFirst: the Hi-Z is of another size");
     {
         const auto pass = rec.pass("cull");
         CullView hidden = view;

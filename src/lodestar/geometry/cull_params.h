@@ -92,6 +92,7 @@ struct HizParams {
     uvec2 from;  // size of the level read
     uvec2 to;    // size of the level written
     uint fromOffset, toOffset;
+    vec2 scale;  // of the first level: pixels of the depth image a pixel of the pyramid's picture
 };
 
 #ifndef __cplusplus

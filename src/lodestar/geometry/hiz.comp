@@ -20,9 +20,13 @@ void main() {
     const ivec2 last = ivec2(params.from) - 1;
     float least = 1e30;
     if (kFirst != 0) {
-        for (int y = 0; y < 4; ++y)
-            for (int x = 0; x < 4; ++x)
-                least = min(least, texelFetch(depth, min(4 * at + ivec2(x, y), last), 0).x);
+        // Every pixel of the depth image that lies below the texel in part.
+        const vec2 slack = vec2(equal(params.scale, vec2(1))) * -1.0 / 64 + 1.0 / 64;
+        const ivec2 begin = ivec2(max(vec2(4 * at) * params.scale - slack, 0));
+        const ivec2 end = ivec2(ceil(vec2(4 * at + 4) * params.scale + slack));
+        for (int y = begin.y; y < end.y; ++y)
+            for (int x = begin.x; x < end.x; ++x)
+                least = min(least, texelFetch(depth, min(ivec2(x, y), last), 0).x);
     } else {
         for (int y = 0; y < 2; ++y)
             for (int x = 0; x < 2; ++x) {

@@ -48,13 +48,13 @@ HiZ::HiZ(const gpu::Device& device, vk::Extent2D size, const std::string& name)
       sampler(device.vk(), vk::SamplerCreateInfo{}) {}
 
 void HiZ::record(gpu::Recorder& rec, gpu::View depth, const glm::mat4& clipFromWorld) {
-    if (depth.extent != extent) throw std::invalid_argument("HiZ: depth is of another size");
     const auto pass = rec.pass("hi-z");
     for (std::size_t i = 0; i < all.size(); ++i) {
         const Level& to = all[i];
         shared::HizParams params{.to = {to.width, to.height}, .toOffset = to.offset};
         if (i == 0) {
-            params.from = {extent.width, extent.height};
+            params.from = {depth.extent.width, depth.extent.height};
+            params.scale = glm::vec2(params.from) / glm::vec2(extent.width, extent.height);
         } else {
             params.from = {all[i - 1].width, all[i - 1].height};
             params.fromOffset = all[i - 1].offset;

@@ -13,8 +13,9 @@ class HiZ {
 public:
     HiZ(const gpu::Device&, vk::Extent2D size, const std::string& name);
 
-    /// Builds it from a depth image (sampled, of the size given), visible to compute; it is written
-    /// by compute.
+    /// Builds it from a depth image (sampled) of any size, which a render scale may have made
+    /// another than the picture's: the pyramid stays of the picture's, so that a change of scale
+    /// loses nothing. Visible to compute; it is written by compute.
     void record(gpu::Recorder&, gpu::View depth, const glm::mat4& clipFromWorld);
     /// Forgets the picture: nothing hides anything until the next record().
     void reset() { built = false; }

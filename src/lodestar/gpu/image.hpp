@@ -17,6 +17,13 @@ struct View {
     std::uint32_t firstLevel = 0;  ///< of the image, where the view's level 0 lies
 };
 
+/// The part of a view from its first texel on: what a pass may read and write of a target that is
+/// larger than this frame needs.
+inline View part(View view, vk::Extent2D extent) {
+    view.extent = extent;
+    return view;
+}
+
 struct ImageInfo {
     std::string name;
     vk::Format format = vk::Format::eUndefined;

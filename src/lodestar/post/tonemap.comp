@@ -12,7 +12,7 @@ layout(push_constant, scalar) uniform Push { TonemapParams params; };
 
 void main() {
     const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(pixel, textureSize(radiance, 0)))) return;
+    if (any(greaterThanEqual(pixel, ivec2(params.size)))) return;
     const vec4 texel = texelFetch(radiance, pixel, 0);
     const vec3 exposed = texel.rgb * params.exposure;
     const vec3 shown = mix(clamp(exposed, 0, 1), acesFilmic(exposed), clamp(texel.a, 0, 1));

@@ -22,7 +22,8 @@ void Tonemap::record(gpu::Recorder& rec, gpu::View radiance, float exposure,
                      gpu::View display) const {
     const auto pass = rec.pass("tonemap");
     rec.dispatch(kernel, gpu::groups8x8(display.extent), {{radiance, pointSampler}, display},
-                 shared::TonemapParams{exposure});
+                 shared::TonemapParams{.exposure = exposure,
+                                       .size = {display.extent.width, display.extent.height}});
 }
 
 }  // namespace lodestar::post

@@ -10,9 +10,9 @@ class Tonemap {
 public:
     explicit Tonemap(const gpu::Device&);
 
-    /// Writes every texel of `display` (RGBA8_UNORM, sRGB-encoded). `exposure` multiplies radiance.
-    /// The alpha of `radiance` is the share of the curve: 1 = all of it, 0 = none, the exposed
-    /// colour is shown as it is (unlit surfaces).
+    /// Writes every texel in the extent of `display` (RGBA8_UNORM, sRGB-encoded). `exposure`
+    /// multiplies radiance. The alpha of `radiance` is the share of the curve: 1 = all of it, 0 =
+    /// none, the exposed colour is shown as it is (unlit surfaces).
     void record(gpu::Recorder&, gpu::View radiance, float exposure, gpu::View display) const;
 
 private:

@@ -5,7 +5,8 @@
 LS_NAMESPACE_BEGIN
 
 struct TonemapParams {
-    float exposure;  // multiplies radiance
+    float exposure;
+    uvec2 size;  // of the picture  // multiplies radiance
 };
 
 LS_NAMESPACE_END

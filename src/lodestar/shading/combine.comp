@@ -3,6 +3,7 @@
 #include "../visibility/view_params.h"
 #include "../scene/gpu_types.h"
 #include "brdf.glsl"
+#include "combine_params.h"
 #include "sky.glsl"
 
 // The cheap, detailed shading at full resolution, joined with the reconstructed terms: one thread a
@@ -22,6 +23,7 @@ layout(binding = 6) uniform sampler2D sky;
 layout(binding = 7, scalar) readonly buffer Lights { GpuLight lights[]; };
 layout(binding = 8, rgba16f) writeonly uniform image2D outRadiance;
 layout(binding = 9) uniform sampler2D points;  // NDC
+layout(push_constant, scalar) uniform Push { CombineParams params; };
 
 layout(constant_id = 2) const uint kPunctualLights = 1;
 layout(constant_id = 3) const uint kPoints = 0;  // 1: at `points`, not at the centres of pixels
@@ -66,12 +68,11 @@ vec3 punctual(Surface s, vec3 position) {
 
 void main() {
     const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-    const ivec2 size = textureSize(surfaceDepth, 0);
-    if (any(greaterThanEqual(pixel, size))) return;
+    if (any(greaterThanEqual(pixel, ivec2(params.size)))) return;
 
     const vec2 ndc = kPoints != 0 ? texelFetch(points, pixel, 0).xy
-                                  : (vec2(pixel) + 0.5) / vec2(size) * 2 - 1;
-    const vec3 ray = transpose(mat3(view.viewFromWorld)) * vec3(ndc / view.clipScale, -1);
+                                  : (vec2(pixel) + 0.5) / vec2(params.size) * 2 - 1;
+    const vec3 ray = transpose(mat3(view.viewFromWorld)) * vec3((ndc - view.jitter) / view.clipScale, -1);
     const vec3 direction = normalize(ray);
     const float depth = texelFetch(surfaceDepth, pixel, 0).x;
     const uvec4 material = texelFetch(surfaceMaterial, pixel, 0);

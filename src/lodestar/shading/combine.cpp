@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <lodestar/shading/combine_params.h>
 #include <lodestar/shading/combine.hpp>
 
 namespace lodestar::shading {
@@ -28,7 +29,7 @@ gpu::Kernel makeKernel(const gpu::Device& device, const scene::SceneFeatures& fe
             {Slot::uniformBuffer, Slot::uniformBuffer, Slot::sampledImage, Slot::sampledImage,
              Slot::sampledImage, Slot::sampledImage, Slot::sampledImage, Slot::storageBuffer,
              Slot::storageImage, Slot::sampledImage},
-            0,
+            sizeof(shared::CombineParams),
             {features.emissive, features.unlit, features.punctualLights, points}};
 }
 
@@ -53,7 +54,8 @@ void Combine::record(gpu::Recorder& rec, const Inputs& in, gpu::View radiance) c
                   in.lights,
                   radiance,
                   // Without points that binding is not read: any image of floats does.
-                  {in.points ? *in.points : in.depth, pointSampler}});
+                  {in.points ? *in.points : in.depth, pointSampler}},
+                 shared::CombineParams{{radiance.extent.width, radiance.extent.height}});
 }
 
 }  // namespace lodestar::shading

@@ -24,8 +24,9 @@ public:
         /// RG32_SFLOAT: where each pixel is met, in NDC; none: at its centre
         std::optional<gpu::View> points = {};
     };
-    /// Writes linear radiance to every texel of `radiance` (RGBA16_SFLOAT). Its alpha is the share
-    /// that Tonemap gives its curve: 1, but 0 for unlit materials, which show as authored.
+    /// Writes linear radiance to every texel in the extent of `radiance` (RGBA16_SFLOAT). Its alpha
+    /// is the share that Tonemap gives its curve: 1, but 0 for unlit materials, which show as
+    /// authored.
     void record(gpu::Recorder&, const Inputs&, gpu::View radiance) const;
 
 private:

@@ -10,7 +10,7 @@ namespace lodestar::upsample {
 struct RepairList {
     RepairList(const gpu::Device&, vk::Extent2D);
 
-    vk::Extent2D size;   ///< of O, at most 2²⁶ pixels
+    vk::Extent2D size;   ///< of O, at most 2²⁶ pixels; may be made smaller for a frame
     gpu::Buffer header;  ///< shared::RepairHeader, its first words an indirect dispatch
     gpu::Buffer listed;  ///< all pixels listed: index | bin << 26
     gpu::Buffer kept;    ///< indices of the pixels kept

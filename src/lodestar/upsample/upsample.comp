@@ -88,7 +88,7 @@ void write(ivec2 pixel, vec4 values) {
 
 void main() {
     const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-    const ivec2 fullSize = textureSize(depth, 0);
+    const ivec2 fullSize = ivec2(params.fullSize);
     if (any(greaterThanEqual(pixel, fullSize))) return;
 
     // x̂: the pixel's centre in texels of S, texel centres at integers.

@@ -81,6 +81,7 @@ void Upsample::record(gpu::Recorder& rec, const Inputs& in, const Sigmas& sigmas
     if (options.repair && options.repair->size != in.depth.extent)
         throw std::invalid_argument("UpsampleOptions::repair: the list has another size");
     const shared::UpsampleParams params{.size = {in.size.width, in.size.height},
+                                        .fullSize = {in.depth.extent.width, in.depth.extent.height},
                                         .inverseRate = 1 / in.rate,
                                         .depthFalloff = falloff(sigmas.z, "z"),
                                         .normalFalloff = falloff(sigmas.n, "n"),

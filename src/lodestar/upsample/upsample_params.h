@@ -16,6 +16,7 @@ const uint LS_REPAIR_INDEX_BITS = 26u;  // of a listed pixel: its index, and abo
 
 struct UpsampleParams {
     uvec2 size;           // of S
+    uvec2 fullSize;       // of O
     float inverseRate;    // 1/r
     float depthFalloff;   // log2(e) / (2 σz²); 0 for σz = ∞
     float normalFalloff;  // log2(e) / (2 σn²); 0 for σn = ∞

@@ -56,7 +56,8 @@ void rebuild(ivec2 pixel, uint id) {
         writeGuides(pixel, t, b);
         return;
     }
-    const vec3 dx = b.dx * toNdc.x, dy = b.dy * toNdc.y;  // per pixel
+    const vec2 toMip = toNdc * params.textureScale;
+    const vec3 dx = b.dx * toMip.x, dy = b.dy * toMip.y;  // per pixel, biased
 
     const GpuVertexAttributes a0 = loadAttributes(t.vertices.x), a1 = loadAttributes(t.vertices.y),
                               a2 = loadAttributes(t.vertices.z);
@@ -123,7 +124,7 @@ void rebuild(ivec2 pixel, uint id) {
 
 void main() {
     const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
-    if (any(greaterThanEqual(pixel, textureSize(ids, 0)))) return;
+    if (any(greaterThanEqual(pixel, ivec2(params.size)))) return;
     const uint id = texelFetch(ids, pixel, 0).x;
     if (id == 0) {
         imageStore(outDepth, pixel, vec4(0));

@@ -75,7 +75,9 @@ void Rebuild::record(gpu::Recorder& rec, const scene::GpuScene& scene, const Inp
     const auto pass = rec.pass("rebuild");
     const vk::Extent2D grid = in.grid.width > 0 ? in.grid : in.ids.extent;
     const shared::RebuildParams params{
-        {2 / static_cast<float>(grid.width), 2 / static_cast<float>(grid.height)}};
+        .pixelNdc = {2 / static_cast<float>(grid.width), 2 / static_cast<float>(grid.height)},
+        .size = {in.ids.extent.width, in.ids.extent.height},
+        .textureScale = in.textureScale};
     // Without points that binding is not read: any image of floats does.
     const gpu::View points = in.points ? *in.points : out.depth.view();
     rec.dispatch(in.points ? pointKernel : kernel, gpu::groups8x8(in.ids.extent),

@@ -36,6 +36,7 @@ public:
         /// centre
         std::optional<gpu::View> points = {};
         vk::Extent2D grid = {};  ///< O, whose pixels decide mip levels; none: the extent of `ids`
+        float textureScale = 1;  ///< of texture gradients: an LOD bias is its log2
     };
     /// Writes every texel of `surface` that lies in the extent of `ids`.
     void record(gpu::Recorder&, const scene::GpuScene&, const Inputs&,

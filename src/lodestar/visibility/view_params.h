@@ -10,6 +10,7 @@ struct ViewParams {
     mat4 viewFromWorld;
     vec3 eye;        // world
     vec2 clipScale;  // clipFromView's [0][0] and [1][1]
+    vec2 jitter;     // NDC by which the picture is moved; clipFromWorld does so
 };
 
 LS_NAMESPACE_END

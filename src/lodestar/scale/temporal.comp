@@ -1,0 +1,165 @@
+// SPDX-License-Identifier: Apache-2.0
+#version 460
+#include "temporal_params.h"
+
+// Joins this frame's samples with the history, one thread a pixel of the output.
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(binding = 0) uniform sampler2D source;  // the picture of this frame
+layout(binding = 1) uniform sampler2D motion;
+layout(binding = 2) uniform sampler2D depth;
+layout(binding = 3) uniform sampler2D terms;
+layout(binding = 4) uniform usampler2D material;
+layout(binding = 5) uniform sampler2D history;  // rgb, a: the weight of the samples in it
+layout(binding = 6) uniform sampler2D guide;    // depth, instance, sun of what it shows
+layout(binding = 7, rgba16f) writeonly uniform image2D outHistory;
+layout(binding = 8, rgba32f) writeonly uniform image2D outGuide;
+layout(push_constant, scalar) uniform Push { TemporalParams params; };
+
+#include "edge_adaptive.glsl"
+
+const float kDepthSlack = 0.01;     // relative, beyond the depths of the texels around
+const float kApart = 0.5;           // pixels by which neighbours may move otherwise
+const float kSunSlack = 0.15;       // change of the sun's share that is shading that moves
+const float kShiny = 0.4;           // roughness below which reflections are seen to move
+const float kEnough = 1;            // weight of samples that need no reconstruction beside them
+const float kMovingMemory = 0.12;   // of the memory, where resampling blurs it
+const float kMovingFalloff = 0.5;   // of the kernel's, where few frames are left to fill it
+
+/// What the texel and its four neighbours show: what a place in the history must be one of.
+struct Around {
+    vec4 motion[5];  // xy, depth a frame ago, instance
+    float sunLow, sunHigh;
+    vec3 low, high;
+};
+
+Around lookAround(ivec2 texel) {
+    const ivec2 steps[5] = ivec2[](ivec2(0), ivec2(-1, 0), ivec2(1, 0), ivec2(0, -1), ivec2(0, 1));
+    const ivec2 last = ivec2(params.live) - 1;
+    Around a;
+    a.sunLow = 1;
+    a.sunHigh = 0;
+    a.low = vec3(1);
+    a.high = vec3(0);
+    for (int i = 0; i < 5; ++i) {
+        const ivec2 at = clamp(texel + steps[i], ivec2(0), last);
+        a.motion[i] = texelFetch(motion, at, 0);
+        const float sun = texelFetch(terms, at, 0).x;
+        a.sunLow = min(a.sunLow, sun);
+        a.sunHigh = max(a.sunHigh, sun);
+        const vec3 color = texelFetch(source, at, 0).rgb;
+        a.low = min(a.low, color);
+        a.high = max(a.high, color);
+    }
+    return a;
+}
+
+float distanceOf(float depth) { return depth > 0 ? depth : 1e30; }
+
+/// Whether a place of the history may be blended with what is seen now. It may where it shows a
+/// surface that is around the pixel now: the same instance, as far as it then was. It may not where
+/// it shows something nearer, which has uncovered the pixel. Something farther was seen between or
+/// beside what is seen now: parts of a pixel, which is what is gathered here. A neighbour that moves
+/// otherwise than the pixel was not beside it then.
+bool mayBlend(vec4 then, Around a) {
+    float near = 3e38, far = -3e38, nearest = 3e38;
+    for (int i = 0; i < 5; ++i) {
+        const vec2 apart = (a.motion[i].xy - a.motion[0].xy) * vec2(params.size);
+        const bool beside = dot(apart, apart) < kApart * kApart;
+        const bool same = beside && a.motion[i].w == then.y;
+        near = same ? min(near, a.motion[i].z) : near;
+        far = same ? max(far, a.motion[i].z) : far;
+        nearest = beside ? min(nearest, distanceOf(a.motion[i].z)) : nearest;
+    }
+    const float slack = kDepthSlack * then.x + (far - near);
+    const bool seenNow = then.x >= near - slack && then.x <= far + slack;
+    return seenNow || distanceOf(then.x) >= nearest * (1 - kDepthSlack);
+}
+
+/// Catmull-Rom over 4×4 without its corners, in five bilinear fetches; a place at a texel's centre
+/// is that texel. History is resampled every frame, and the tent would blur it every time.
+vec4 sharpHistory(vec2 at, vec2 texelSize) {
+    const vec2 base = floor(at - 0.5) + 0.5, f = at - base;
+    const vec2 w0 = f * (-0.5 + f * (1 - 0.5 * f));
+    const vec2 w1 = 1 + f * f * (-2.5 + 1.5 * f);
+    const vec2 w2 = f * (0.5 + f * (2 - 1.5 * f));
+    const vec2 w3 = f * f * (-0.5 + 0.5 * f);
+    const vec2 w12 = w1 + w2;
+    const vec2 middle = (base + w2 / w12) * texelSize;
+    const vec2 before = (base - 1) * texelSize, after = (base + 2) * texelSize;
+    vec4 sum = vec4(0);
+    float weights = 0;
+    const vec3 taps[5] =
+        vec3[](vec3(middle.x, before.y, w12.x * w0.y), vec3(before.x, middle.y, w0.x * w12.y),
+               vec3(middle, w12.x * w12.y), vec3(after.x, middle.y, w3.x * w12.y),
+               vec3(middle.x, after.y, w12.x * w3.y));
+    for (int i = 0; i < 5; ++i) {
+        sum += taps[i].z * textureLod(history, taps[i].xy, 0);
+        weights += taps[i].z;
+    }
+    return sum / weights;
+}
+
+void main() {
+    const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    if (any(greaterThanEqual(pixel, ivec2(params.size)))) return;
+    const vec2 step = params.live / vec2(params.size);
+    const vec2 at = (vec2(pixel) + 0.5) * step + params.jitter;
+    const ivec2 texel = ivec2(clamp(at, vec2(0), params.live - 1));
+    const vec2 off = (vec2(texel) + 0.5 - at) / step;
+    const vec3 color = texelFetch(source, texel, 0).rgb;
+    const Around around = lookAround(texel);
+    const vec4 moved = around.motion[0];
+    const vec2 travel = moved.xy * vec2(params.size);
+    const bool travels = dot(travel, travel) > 1e-4;
+    const float falloff = params.falloff * (travels ? kMovingFalloff : 1);
+    const float weight = exp2(-falloff * dot(off, off));
+    const float sun = texelFetch(terms, texel, 0).x;
+
+    // The place in the history, and which of the 2×2 texels about it show what is seen here.
+    const vec2 outSize = vec2(params.size);
+    const vec2 place = (vec2(pixel) + 0.5) + moved.xy * outSize;
+    const bool inPicture = all(greaterThanEqual(place, vec2(0))) && all(lessThan(place, outSize));
+    const vec2 safe = clamp(place, vec2(0.5), outSize - 0.5);
+    const vec2 base = floor(safe - 0.5), f = safe - 0.5 - base;
+    vec4 loose = vec4(0);
+    float matched = 0, sunThen = 0;
+    bool all4 = true;
+    for (int i = 0; i < 4; ++i) {
+        const ivec2 corner = ivec2(i & 1, i >> 1);
+        const ivec2 tap = min(ivec2(base) + corner, ivec2(params.size) - 1);
+        const vec4 then = texelFetch(guide, tap, 0);
+        const vec2 share = mix(1 - f, f, vec2(corner));
+        const float w = share.x * share.y;
+        // Where nothing moved at all nothing can have been uncovered.
+        const bool same = params.moved == 0 || mayBlend(then, around);
+        all4 = all4 && (same || w < 0.01);
+        if (same) {
+            loose += w * texelFetch(history, tap, 0);
+            sunThen += w * then.z;
+            matched += w;
+        }
+    }
+    const bool kept = params.known != 0 && inPicture && matched > 0.02;
+    const vec4 sharp = sharpHistory(safe, 1 / outSize);
+    vec4 before = all4 ? sharp : loose / max(matched, 1e-3);
+    before.rgb = clamp(before.rgb, vec3(0), vec3(1));
+    sunThen /= max(matched, 1e-3);
+
+    // Only where shading moves over a surface that stays is its colour no longer right.
+    const bool shadowMoved =
+        sunThen < around.sunLow - kSunSlack || sunThen > around.sunHigh + kSunSlack;
+    const float roughness = unpackUnorm4x8(texelFetch(material, texel, 0).y).x;
+    const bool reflectionMoved = params.moved != 0 && moved.w > 0 && roughness < kShiny;
+    if (shadowMoved || reflectionMoved) before.rgb = clamp(before.rgb, around.low, around.high);
+
+    const float memory = params.memory * (travels ? kMovingMemory : 1);
+    // Until samples have gathered, this frame's own reconstruction stands for those to come.
+    const float old = kept ? min(max(before.a, 0), memory) : 0;
+    const float ahead = max(kEnough - old, 0);
+    const vec3 sum = (kept ? before.rgb * old : vec3(0)) + color * weight +
+                     (ahead > 0 ? edgeAdaptiveAt(at) * ahead : vec3(0));
+    const vec4 joined = vec4(sum / (old + weight + ahead), old + weight);
+    imageStore(outHistory, pixel, joined);
+    imageStore(outGuide, pixel, vec4(texelFetch(depth, texel, 0).x, moved.w, sun, 0));
+}

@@ -1,0 +1,12 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef LS_COMBINE_PARAMS_H
+#define LS_COMBINE_PARAMS_H
+#include "../shared/types.h"
+LS_NAMESPACE_BEGIN
+
+struct CombineParams {
+    uvec2 size;  // of the part of the targets in use
+};
+
+LS_NAMESPACE_END
+#endif

@@ -1,0 +1,13 @@
+// SPDX-License-Identifier: Apache-2.0
+#ifndef LS_MOTION_PARAMS_H
+#define LS_MOTION_PARAMS_H
+#include "../shared/types.h"
+LS_NAMESPACE_BEGIN
+
+struct MotionParams {
+    mat4 previousClipFromWorld;  // without jitter
+    uvec2 size;                  // of the part of `ids` in use
+};
+
+LS_NAMESPACE_END
+#endif

@@ -1,0 +1,290 @@
+// SPDX-License-Identifier: Apache-2.0
+// Pictures joined over time.
+#include <glm/gtc/packing.hpp>
+
+#include <lodestar/frame/frame.hpp>
+#include <lodestar/gpu/readback.hpp>
+#include <lodestar/quality/metrics.hpp>
+#include <lodestar/scene/procedural.hpp>
+
+#include "gpu_device.hpp"
+#include "small_scenes.hpp"
+
+namespace lodestar::frame {
+namespace {
+
+using scale::TemporalMode;
+using scene::Camera;
+
+constexpr vk::Extent2D kSize{96, 64};
+constexpr float kAspect = 1.5f;
+
+quality::RgbImage pictureOf(const gpu::Device& device, const Frame& frame) {
+    const auto rgba = gpu::readImage(device, frame.display());
+    quality::RgbImage picture(int(kSize.width), int(kSize.height));
+    for (std::size_t i = 0; i < picture.rgb.size(); ++i)
+        picture.rgb[i] = std::uint8_t(rgba[i / 3 * 4 + i % 3]);
+    return picture;
+}
+
+class TemporalTest : public GpuTest {
+protected:
+    TemporalTest() : columns(*scene::buildBuiltin("columns")) {}
+    void SetUp() override {
+        GpuTest::SetUp();
+        if (IsSkipped()) return;
+        onGpu.emplace(device(), columns);
+        camera = scene::dollied(scene::frame(onGpu->bounds(), kAspect), 0.6f);
+    }
+    static FrameSettings settings(TemporalMode mode) {
+        FrameSettings s{.size = kSize, .maxScale = 2, .shadowMapSize = 256, .skyViews = 0};
+        s.temporal.mode = mode;
+        return s;
+    }
+    /// Four samples a pixel.
+    quality::RgbImage reference(const Camera& from) {
+        Frame frame(device(), *onGpu, settings(TemporalMode::off));
+        frame.render(from, {.renderScale = 2});
+        return pictureOf(device(), frame);
+    }
+
+    scene::Scene columns;
+    std::optional<scene::GpuScene> onGpu;
+    Camera camera;
+};
+
+TEST_F(TemporalTest, aStillViewConvergesPastAnySpatialFilter) {
+    const auto wanted = reference(camera);
+    Frame spatial(device(), *onGpu, settings(TemporalMode::off));
+    spatial.render(camera, {.renderScale = 0.5f});
+    const double alone = quality::psnr(wanted, pictureOf(device(), spatial));
+    Frame joined(device(), *onGpu, settings(TemporalMode::lodestar));
+    for (int i = 0; i < 64; ++i) joined.render(camera, {.renderScale = 0.5f});
+    EXPECT_GE(quality::psnr(wanted, pictureOf(device(), joined)), alone + 3);
+}
+
+TEST_F(TemporalTest, theHistoryIsKeptWhenTheScaleChanges) {
+    const auto wanted = reference(camera);
+    const auto after = [&](std::initializer_list<float> scales) {
+        Frame frame(device(), *onGpu, settings(TemporalMode::lodestar));
+        for (int i = 0; i < 60; ++i)
+            frame.render(camera, {.renderScale = scales.begin()[i % scales.size()]});
+        return quality::psnr(wanted, pictureOf(device(), frame));
+    };
+    const double steady = after({0.6f}), changing = after({0.5f, 0.71f, 0.55f, 0.64f});
+    EXPECT_GE(changing, steady - 0.5);
+    // Nor does one frame of another scale show.
+    Frame frame(device(), *onGpu, settings(TemporalMode::lodestar));
+    for (int i = 0; i < 60; ++i) frame.render(camera, {.renderScale = 0.71f});
+    const auto before = pictureOf(device(), frame);
+    frame.render(camera, {.renderScale = 0.5f});
+    EXPECT_GE(quality::psnr(before, pictureOf(device(), frame)), 40);
+}
+
+TEST_F(TemporalTest, aPanningViewGainsFromItsHistory) {
+    // In the hall: patterns and edges of several pixels, for which four samples are a reference.
+    const Camera first{.eye = {6, 3, 9}, .at = {0, 1, 0}};
+    const auto at = [&](int i) { return scene::orbited(first, first.at, 0.002f * float(i)); };
+    const auto last = [&](TemporalMode mode, float scale, int frames) {
+        Frame frame(device(), *onGpu, settings(mode));
+        for (int i = 25 - frames; i <= 24; ++i) frame.render(at(i), {.renderScale = scale});
+        return pictureOf(device(), frame);
+    };
+    const auto wanted = last(TemporalMode::off, 2, 1);
+    const double alone = quality::psnr(wanted, last(TemporalMode::off, 0.71f, 1));
+    EXPECT_GE(quality::psnr(wanted, last(TemporalMode::lodestar, 0.71f, 24)), alone + 1);
+}
+
+/// A bright quad that moves over a patterned wall.
+scene::Scene passingQuad() {
+    scene::procedural::SceneBuilder builder("passing");
+    namespace parts = small_scenes::parts;
+    const auto bright = builder.add(parts::plain("bright", {0.9f, 0.9f, 0.9f}, 0, 0.8f));
+    const auto dark = builder.add(parts::plain("dark", {0.1f, 0.05f, 0.05f}, 0, 0.8f));
+    const auto grey = builder.add(parts::plain("grey", {0.3f, 0.3f, 0.4f}, 0, 0.8f));
+    builder.add("passing", small_scenes::quad(), bright);
+    builder.add("dark", small_scenes::quad(), dark);
+    builder.add("grey", small_scenes::quad(), grey);
+    scene::Scene scene = std::move(builder).finish();
+    small_scenes::place(scene, 0, glm::mat4(1));
+    scene.nodes[scene.instances[0].node] = {};
+    for (int y = -3; y <= 3; ++y)
+        for (int x = -4; x <= 4; ++x)
+            small_scenes::place(scene, (x + y) % 2 == 0 ? 1 : 2,
+                                glm::translate(glm::mat4(1), glm::vec3(2 * x, 2 * y, -3)));
+    scene::Animation animation{.duration = 1};
+    animation.channels.push_back({scene.instances[0].node,
+                                  scene::AnimationPath::translation,
+                                  scene::Interpolation::linear,
+                                  {0, 1},
+                                  {{-3, 0, 0, 0}, {3, 0, 0, 0}}});
+    scene.animations.push_back(animation);
+    return scene;
+}
+
+TEST_F(TemporalTest, uncoveredPixelsShowThisFrameAndNoGhost) {
+    const scene::Scene source = passingQuad();
+    scene::GpuScene moving(device(), source);
+    const Camera from{.eye = {0, 0, 8}, .at = {0, 0, 0}};
+    const auto make = [&](TemporalMode mode) {
+        FrameSettings s = settings(mode);
+        s.shadowTaps = 0;
+        return Frame(device(), moving, s);
+    };
+    Frame joined = make(TemporalMode::lodestar), spatial = make(TemporalMode::off),
+          full = make(TemporalMode::off);
+    std::vector<std::uint32_t> idsBefore;
+    double withHistory = 0, without = 0;
+    int uncovered = 0;
+    for (int i = 0; i < 30; ++i) {
+        moving.animate(float(i) / 30);
+        joined.render(from, {.renderScale = 0.71f});
+        spatial.render(from, {.renderScale = 0.71f});
+        full.render(from, {});
+        const auto ids = gpu::as<std::uint32_t>(gpu::readImage(device(), full.ids()));
+        const auto a = pictureOf(device(), joined), b = pictureOf(device(), spatial),
+                   c = pictureOf(device(), full);
+        const std::uint32_t quad = ids[kSize.width * (kSize.height / 2)];  // never the mover's
+        for (std::size_t p = 0; i > 5 && p < ids.size(); ++p) {
+            const std::size_t x = p % kSize.width;
+            if (idsBefore[p] == ids[p] || x < 2) continue;
+            // Uncovered: was bright, is not.
+            if (c.rgb[3 * p] > 150 || ids[p] == quad) continue;
+            ++uncovered;
+            for (int k = 0; k < 3; ++k) {
+                withHistory += std::abs(int(a.rgb[3 * p + k]) - int(c.rgb[3 * p + k]));
+                without += std::abs(int(b.rgb[3 * p + k]) - int(c.rgb[3 * p + k]));
+            }
+        }
+        idsBefore = ids;
+    }
+    EXPECT_GT(uncovered, 200);
+    EXPECT_LE(withHistory, 1.05 * without);
+}
+
+TEST_F(TemporalTest, theSourcesModeSumsTwoStillFrames) {
+    Frame joined(device(), *onGpu, settings(TemporalMode::source));
+    const auto wanted = reference(camera);
+    Frame spatial(device(), *onGpu, settings(TemporalMode::off));
+    spatial.render(camera, {});
+    for (int i = 0; i < 4; ++i) joined.render(camera, {});
+    EXPECT_GE(quality::psnr(wanted, pictureOf(device(), joined)),
+              quality::psnr(wanted, pictureOf(device(), spatial)) + 1);
+    // Odd and even frames differ, their sums do not.
+    const auto one = pictureOf(device(), joined);
+    joined.render(camera, {});
+    EXPECT_GE(quality::psnr(one, pictureOf(device(), joined)), 50);
+}
+
+TEST_F(TemporalTest, theSourcesModeLetsGoOfWhatMoves) {
+    FrameSettings s = settings(TemporalMode::source);
+    s.temporal.k = 1;
+    Frame joined(device(), *onGpu, s), fresh(device(), *onGpu, s);
+    joined.render(camera, {});
+    const Camera later = scene::orbited(camera, camera.at, 0.3f);
+    joined.render(later, {});
+    fresh.render(camera, {});
+    fresh.reset();
+    fresh.render(later, {});
+    // Points near the orbit's axis move less than a pixel and keep a little.
+    EXPECT_GE(quality::psnr(pictureOf(device(), fresh), pictureOf(device(), joined)), 30);
+}
+
+TEST_F(TemporalTest, changingTheScaleAllocatesNothing) {
+    Frame frame(device(), *onGpu, settings(TemporalMode::lodestar));
+    frame.render(camera, {});
+    const auto before = device().peakBytes();
+    for (const float scale : {0.5f, 2.0f, 0.71f}) frame.render(camera, {.renderScale = scale});
+    EXPECT_EQ(device().peakBytes(), before);
+}
+
+TEST_F(TemporalTest, neverReadsOutsideTheLivePart) {
+    const vk::Extent2D room{40, 40}, live{17, 23}, size{30, 41};
+    using Usage = vk::ImageUsageFlagBits;
+    const auto filled = [&](vk::Format format, const auto& inside, const auto& outside) {
+        gpu::Image image(device(), {.name = "input",
+                                    .format = format,
+                                    .extent = room,
+                                    .usage = Usage::eSampled | Usage::eStorage |
+                                             Usage::eTransferDst | Usage::eTransferSrc});
+        std::vector<std::decay_t<decltype(inside)>> texels;
+        for (std::uint32_t y = 0; y < room.height; ++y)
+            for (std::uint32_t x = 0; x < room.width; ++x)
+                texels.push_back(x < live.width && y < live.height ? inside : outside);
+        gpu::uploadImage(device(), image, 0, std::as_bytes(std::span(texels)));
+        return image;
+    };
+    const auto half = [](float v) { return glm::packHalf4x16(glm::vec4(v)); };
+    for (const TemporalMode mode : {TemporalMode::source, TemporalMode::lodestar}) {
+        // The source's mode copies the picture, so it must have that format.
+        const bool source = mode == TemporalMode::source;
+        const gpu::Image color =
+            source ? filled(vk::Format::eR8G8B8A8Unorm, 0xff808080u, 0xffffffffu)
+                   : filled(vk::Format::eR16G16B16A16Sfloat, half(128 / 255.0f), half(NAN));
+        const gpu::Image motion =
+            filled(vk::Format::eR32G32B32A32Sfloat, glm::vec4(0, 0, 5, 1), glm::vec4(NAN));
+        const gpu::Image depth = filled(vk::Format::eR32Sfloat, 5.0f, NAN);
+        const gpu::Image terms = filled(vk::Format::eR16G16B16A16Sfloat, half(1), half(NAN));
+        const gpu::Image material =
+            filled(vk::Format::eR32G32B32A32Uint, glm::uvec4(~0u), glm::uvec4(0));
+        const gpu::Image out(device(), {.name = "out",
+                                        .format = vk::Format::eR8G8B8A8Unorm,
+                                        .extent = size,
+                                        .usage = Usage::eStorage | Usage::eTransferSrc});
+        scale::Temporal pass(device(), room, size, {.mode = mode});
+        for (std::uint32_t i = 0; i < 6; ++i) {
+            gpu::Recorder rec(device());
+            rec.begin();
+            pass.record(rec,
+                        {.color = color,
+                         .motion = motion,
+                         .depth = depth,
+                         .terms = terms,
+                         .material = material,
+                         .live = live,
+                         .jitter = scale::jitterOf(mode, i, 0.6f)},
+                        out);
+            rec.submit();
+            for (const glm::u8vec4 texel : gpu::as<glm::u8vec4>(gpu::readImage(device(), out)))
+                ASSERT_NEAR(texel.x, 128, 1) << i;
+        }
+    }
+}
+
+TEST(Jitter, coversTheTexelEvenlyAndIsCentred) {
+    for (const float scale : {0.5f, 0.71f, 1.0f}) {
+        glm::dvec2 mean(0);
+        int quadrants[4] = {};
+        const int count = int(8 / (scale * scale));
+        for (int i = 0; i < count; ++i) {
+            const glm::vec2 j = scale::jitterOf(TemporalMode::lodestar, std::uint32_t(i), scale);
+            ASSERT_LE(std::max(std::abs(j.x), std::abs(j.y)), 0.5f);
+            mean += glm::dvec2(j) / double(count);
+            ++quadrants[(j.x > 0) + 2 * (j.y > 0)];
+        }
+        EXPECT_LT(glm::length(mean), 0.12);
+        for (const int n : quadrants) EXPECT_GE(n, count / 8);
+    }
+    EXPECT_EQ(scale::jitterOf(TemporalMode::off, 3, 1), glm::vec2(0));
+    const glm::vec2 even = scale::jitterOf(TemporalMode::source, 4, 1),
+                    odd = scale::jitterOf(TemporalMode::source, 5, 1);
+    EXPECT_EQ(even - odd, glm::vec2(0.5f));
+}
+
+TEST_F(TemporalTest, refusesWhatMakesNoSense) {
+    const auto make = [&](scale::TemporalOptions o) {
+        return scale::Temporal(device(), {4, 4}, {4, 4}, o);
+    };
+    using O = scale::TemporalOptions;
+    EXPECT_THROW(make(O{}), std::invalid_argument);
+    EXPECT_THROW(make(O{.mode = TemporalMode::source, .k = -1}), std::invalid_argument);
+    EXPECT_THROW(make(O{.mode = TemporalMode::lodestar, .width = 0}), std::invalid_argument);
+    EXPECT_THROW(make(O{.mode = TemporalMode::lodestar, .memory = 0}), std::invalid_argument);
+    EXPECT_THROW(make(O{.mode = TemporalMode::lodestar, .sharpness = 2}), std::invalid_argument);
+    Frame frame(device(), *onGpu, settings(TemporalMode::lodestar));
+    EXPECT_THROW(frame.render(camera, {.shadingRate = 2, .resizeAll = true}),
+                 std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace lodestar::frame
