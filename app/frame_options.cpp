@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <glm/gtc/constants.hpp>
 
+#include "app/capture.hpp"
 #include "app/cli.hpp"
 #include "app/geometry_options.hpp"
 
@@ -254,6 +255,8 @@ Json settingsJson(const frame::FrameSettings& s) {
             {"height", s.size.height},
             {"cull", nameOf(s.cull)},
             {"lod", nameOf(s.lod)},
+            {"capture_rate", s.captureSide * s.captureSide},
+            {"capture", nameOf(s.capture)},
             {"reconstruct", nameOf(s.reconstruct)},
             {"sigma_z", sigmaJson(s.sigmas.z)},
             {"sigma_n", sigmaJson(s.sigmas.n)},

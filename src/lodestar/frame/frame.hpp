@@ -5,6 +5,7 @@
 #include <optional>
 
 #include <lodestar/budget/levers.hpp>
+#include <lodestar/frame/capture_frame.hpp>
 #include <lodestar/frame/light_maps.hpp>
 #include <lodestar/geometry/cull.hpp>
 #include <lodestar/geometry/show_lods.hpp>
@@ -43,6 +44,10 @@ struct FrameSettings {
     geometry::CullMode cull = geometry::CullMode::frustum;
     geometry::LodChoice lod;
     bool showLods = false;  ///< colour the picture by level of detail
+    /// s, 1, 2, 4 or 8: above 1 render() captures s² samples a pixel and blends what they show, the
+    /// finest level of detail at full shading rate.
+    std::uint32_t captureSide = 1;
+    CaptureBackend capture = CaptureBackend::automatic;  ///< above 1
 };
 
 /// The whole frame: owns the targets, composes the passes.
@@ -51,7 +56,7 @@ public:
     /// Throws std::invalid_argument for settings out of range.
     Frame(const gpu::Device&, const scene::GpuScene&, const FrameSettings&);
 
-    /// Renders one picture and waits for it.
+    /// Renders one picture and waits for it. With several samples a pixel the levers have no say.
     gpu::FrameTimes render(const scene::Camera&, const budget::Levers&);
 
     /// The same picture from visibility that was captured before, at any size: `record` is a
@@ -59,27 +64,30 @@ public:
     gpu::FrameTimes rebuild(const visibility::CompactRecord&, const scene::Camera&,
                             const budget::Levers&);
     /// Anti-aliased, at the size of the record's grid B and at full shading rate: every surface a
-    /// pixel lists is shaded once and weighs as many samples as show it.
+    /// pixel lists weighs as many samples as show it, and is shaded once for all pixels around
+    /// that show it too.
     gpu::FrameTimes rebuildAntialiased(const visibility::CompactRecord&, const scene::Camera&);
     /// Of the last rebuildAntialiased: fragments shaded beyond one a pixel.
-    std::uint32_t furtherFragments() const { return smooth ? smooth->set.needed() : 0; }
+    std::uint32_t furtherFragments() const { return smooth ? smooth->set.found().further : 0; }
 
     /// The last picture: RGBA8, sRGB-encoded.
     const gpu::Image& display() const { return displayImage; }
     const gpu::Image& radiance() const { return radianceImage; }
-    const gpu::Image& ids() const { return idImage; }
+    /// Anti-aliased: those of the main fragments.
+    const gpu::Image& ids() const { return samples && smooth ? smooth->set.ids : idImage; }
     const visibility::Surface& surface() const { return surfaces; }
     /// RGBA16_SFLOAT: share of the sun seen, share of the sky seen.
     const gpu::Image& terms() const { return termImage; }
     /// Pixels of the last frame whose coarse terms were evaluated anew. Waits for the device.
     std::uint32_t repairedPixels() const;
-    const geometry::DrawList& drawList() const { return eyeList; }
+    const geometry::DrawList& drawList() const { return samples ? samples->drawList() : eyeList; }
     /// Forgets the last picture, which is otherwise used to guess what hides what.
     void resetOcclusion() { hiz.reset(); }
     /// As given; the exposure as in use.
     const FrameSettings& settings() const { return options; }
 
 private:
+    gpu::FrameTimes renderSamples(const scene::Camera&);
     void shade(const budget::Levers&);
     void evaluateTerms(const budget::Levers&);
     void shadeOnGridS(float rate);
@@ -96,7 +104,6 @@ private:
     struct Smooth {
         std::uint32_t side;
         visibility::Fragments fragments;
-        visibility::Resolve resolve;
         visibility::FragmentSet set;
         visibility::Surface surfaces;  // of the further fragments
         gpu::Image terms, radiance, mainRadiance;
@@ -110,7 +117,7 @@ private:
         visibility::Surface surfaces;
     };
     Whole makeWhole() const;
-    Smooth makeSmooth(const visibility::CompactRecord&, std::uint32_t capacity) const;
+    Smooth makeSmooth(std::uint32_t side, std::uint32_t capacity) const;
     void writeUniforms(const scene::Camera&);
     void findVisible(const geometry::CullView&);
 
@@ -143,6 +150,7 @@ private:
     visibility::Surface surfaces;
 
     std::optional<Rebuilding> rebuilding;
+    std::optional<CaptureFrame> samples;  ///< where the settings ask for several a pixel
     std::optional<Smooth> smooth;
     std::optional<Whole> whole;
     gpu::Recorder rec;
