@@ -28,7 +28,7 @@ layout(binding = 18, scalar) writeonly buffer Weights { uint weights[]; };  // s
 layout(binding = 19, scalar) writeonly buffer Further { FurtherPixel further[]; };
 layout(push_constant, scalar) uniform Push { FragmentsParams params; };
 
-const float kLikeNormal = 0.02;  // 1 - cosine for half of the samples: 11°
+const float kLikeNormal = 0.98;  // cosine: 11°
 const float kLikeDepth = 0.005;  // of the depth
 const float kReach = 1.25;       // of the tent, in pixels
 
@@ -60,11 +60,9 @@ Patch patchOf(uint id, vec2 ndc) {
 
 /// The radiance of the main fragments that `own` continues, about `place` [pixels], times their
 /// weights; and the sum of those.
-void borrow(Patch own, float share, vec2 place, out vec4 sum, out float total) {
+void borrow(Patch own, vec2 place, out vec4 sum, out float total) {
     sum = vec4(0);
     total = 0;
-    // What weighs little may be further off: the error it leaves is the same.
-    const float leastCosine = max(1 - kLikeNormal * 0.25 / (share * share), 0.5);
     const bool background = own.surface.x == 0xffffffffu;
     for (int i = 0; i < 9; ++i) {
         const ivec2 pixel = ivec2(place) + ivec2(i % 3, i / 3) - 1;
@@ -79,7 +77,7 @@ void borrow(Patch own, float share, vec2 place, out vec4 sum, out float total) {
         // On the plane of the triangle the other would be as deep as this.
         const float expected = own.depth + dot(own.slope, apart);
         const float allowed = kLikeDepth * own.depth + 0.5 * (abs(own.slope.x) + abs(own.slope.y));
-        const bool alike = dot(own.normal, normal) > leastCosine &&
+        const bool alike = dot(own.normal, normal) > kLikeNormal &&
                            abs(texelFetch(mainDepth, from, 0).x - expected) < allowed;
         const float weight = same && (alike || background) ? tent.x * tent.y : 0;
         sum += weight * texelFetch(mainRadiance, from, 0);
@@ -103,8 +101,7 @@ void blend(uint at) {
         vec4 radiance;
         float total;
         const float samples = float(samplesOf(node.mask));
-        borrow(patchOf(node.id & ~LS_LAST_NODE, ndcOf(place)), samples / kSamples, place, radiance,
-               total);
+        borrow(patchOf(node.id & ~LS_LAST_NODE, ndcOf(place)), place, radiance, total);
         const bool found = total > 0;
         sum += found ? radiance * (samples / total) : vec4(0);
         if (!found) left |= number < 32 ? uvec2(1u << number, 0) : uvec2(0, 1u << (number - 32));
