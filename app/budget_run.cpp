@@ -55,6 +55,7 @@ Run renderRun(const Session& session, frame::Frame& frame, const scene::Camera& 
         const budget::FrameCosts costs = costsOf(frame.render(camera, levers));
         run.costs.push_back(costs);
         run.lastRate = levers.shadingRate;
+        run.lastCamera = camera;
         if (controller) {
             run.trace.add({levers.shadingRate, costs.gpuMs, *options.targetMs});
             levers.shadingRate = controller->next(costs).shadingRate;

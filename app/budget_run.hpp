@@ -34,6 +34,7 @@ struct Run {
     budget::Trace trace;  ///< filled when there is a budget
     std::vector<Sample> samples;
     float lastRate = 1;
+    scene::Camera lastCamera;
     bool saturated = false;  ///< the last frames missed the budget with r at its limit
 };
 

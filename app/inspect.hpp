@@ -9,6 +9,7 @@
 
 #include <array>
 
+#include <lodestar/scene/mesh_lods.hpp>
 #include <lodestar/scene/scene.hpp>
 #include <lodestar/scene/texture_arrays.hpp>
 
@@ -24,7 +25,8 @@ struct Inspection {
         std::uint64_t meshes = 0;             ///< that have this level
         std::uint64_t stored = 0, drawn = 0;  ///< triangles; of meshes without it, their last
         float error = 0;                      ///< median over the meshes, relative to their radius
-        std::array<std::uint64_t, 4> methods{};  ///< meshes by scene::LodMethod
+        /// Meshes by method.
+        std::array<std::uint64_t, std::size_t(scene::LodMethod::sloppy) + 1> methods{};
     };
     std::vector<Level> levels;
     struct Materials {

@@ -38,6 +38,7 @@ struct Options {
     budget::Levers levers;
     std::vector<std::string> aovs;
     bool reference = false;
+    std::string outside;  ///< camera to look from at what the last frame drew; empty = none
 };
 
 /// `frame.png` with frame number 7 of a numbered run: `frame.0007.png`.
@@ -175,10 +176,10 @@ Result<void> checkCapture(const Options& options) {
     const budget::Levers& levers = options.levers;
     bool full = true;
     for (std::size_t i = 0; i < budget::kTerms; ++i) full &= levers.rate(budget::Term(i)) == 1;
-    if (options.budget || !full || options.settings.showLods)
+    if (options.budget || !full || options.settings.showLods || !options.outside.empty())
         return fail(
             "--capture-rate over 1 shades the finest level of detail at full rate: leave out "
-            "--budget, --shading-rate and --show-lods");
+            "--budget, --shading-rate, --show-lods and --outside");
     if (std::max(options.view.size.width, options.view.size.height) > int(16384 / side))
         return fail(fmt::format("--size: at {} samples a pixel at most {} a side", side * side,
                                 16384 / side));
@@ -254,6 +255,18 @@ Result<void> run(Options options) {
         if (!written) return written;
     }
 
+    if (!options.outside.empty()) {
+        ViewOptions view{.size = options.view.size, .camera = options.outside};
+        const auto outside = resolveCamera(*session, view);
+        if (!outside) return tl::unexpected(outside.error());
+        // Judging renders other frames: draw the last one once more.
+        frame.render(outcome.run.lastCamera, options.levers);
+        frame.renderOutside(*outside);
+        files.push_back(beside(out, "outside"));
+        if (auto done = writePng(files.back(), readDisplay(*session->device, frame)); !done)
+            return done;
+    }
+
     const auto passes = summarisePasses(outcome.run.costs);
     printPasses(passes, outcome.frameMs);
     printSummary(options, outcome);
@@ -310,6 +323,13 @@ void addRender(CLI::App& app, int& exitCode) {
         ->add_flag("--reference", o->reference,
                    "also render at full quality and report PSNR, SSIM and FLIP against it")
         ->group("Run");
+    command
+        ->add_option(
+            "--outside", o->outside,
+            "also write NAME.outside.png: what was drawn of the last frame, seen from this "
+            "camera of the scene; what was culled is missing")
+        ->type_name("CAMERA")
+        ->group("Geometry");
     addLeverOptions(*command, o->levers);
     addGeometryOptions(*command, o->settings);
     addCaptureOptions(*command, o->capture);

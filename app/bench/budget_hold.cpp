@@ -140,7 +140,7 @@ Result<void> measureScene(const BenchCase& what, const BenchOptions& options, Be
 Result<BenchResult> run(const BenchOptions& options) {
     auto cases = benchCases(options, {{"sponza.glb", "nave", "orbit:40"},
                                       {"chess_abeautifulgame.glb", "player", "orbit"},
-                                      {"city_kaykit.glb", "roofs", "orbit:40"}});
+                                      {"city_kaykit.glb", "street", "orbit:15"}});
     if (!cases) return tl::unexpected(cases.error());
     BenchResult result;
     result.report.settings = settingsJson(options.settings);

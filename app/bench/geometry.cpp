@@ -173,7 +173,7 @@ Json publishedModes() {
 
 Result<BenchResult> runModes(const BenchOptions& options) {
     const auto cases = benchCases(
-        options, {{"builtin:mountains", "valley", ""}, {"city_kaykit.glb", "street", ""}});
+        options, {{"builtin:mountains:14500", "valley", ""}, {"city_kaykit.glb", "street", ""}});
     if (!cases) return tl::unexpected(cases.error());
     BenchResult result = startOf(options);
     for (const BenchCase& one : *cases)

@@ -13,7 +13,7 @@ struct YangSettings {
     double targetMs = 16.6;
     double k = 0;          ///< calibrated cost of the coarse terms at r = 1 [ms]
     double maxStep = 0.2;  ///< largest |Δr| from one frame to the next
-    double maxRate = 16;   ///< r never grows past this
+    double maxRate = 8;    ///< r never grows past this: 1/64 of K is left, and the picture suffers
 };
 
 /// The frame-rate controller of Yang et al. 2008, §3: Δt = K·Δ(1/r²), |Δr| ≤ 0.2, r ≥ 1.

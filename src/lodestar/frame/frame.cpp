@@ -215,6 +215,23 @@ gpu::FrameTimes Frame::renderSamples(const scene::Camera& camera) {
     return times;
 }
 
+gpu::FrameTimes Frame::renderOutside(const scene::Camera& outside) {
+    if (samples) throw std::logic_error("Frame::renderOutside needs captureSide 1");
+    rec.begin();
+    lightMaps.update(rec, *scene, cull, outside, aspect);
+    writeUniforms(outside);
+    rec.barrier(Stage::compute, Stage::raster);
+    capture.record(rec, *scene, eyeList, clipFromWorld(outside), {idImage, depthBuffer}, "capture");
+    rec.barrier(Stage::raster, Stage::compute);
+    hiz.reset();  // the depth buffer shows another view now
+    shade({});
+    if (options.showLods) {
+        rec.barrier(Stage::compute, Stage::compute);
+        showLods.record(rec, *scene, idImage, displayImage);
+    }
+    return rec.submit();
+}
+
 gpu::FrameTimes Frame::rebuild(const visibility::CompactRecord& from, const scene::Camera& camera,
                                const budget::Levers& levers) {
     if (options.exposure == 0) {

@@ -58,6 +58,9 @@ public:
 
     /// Renders one picture and waits for it. With several samples a pixel the levers have no say.
     gpu::FrameTimes render(const scene::Camera&, const budget::Levers&);
+    /// What the last render() drew, seen from elsewhere at full quality: what its culling left out
+    /// is missing, levels of detail are those it picked.
+    gpu::FrameTimes renderOutside(const scene::Camera& outside);
 
     /// The same picture from visibility that was captured before, at any size: `record` is a
     /// capture of the same camera and aspect.

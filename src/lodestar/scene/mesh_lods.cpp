@@ -24,10 +24,11 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double kGain = 0.8;           // a level must have at most this share of the triangles
-constexpr std::size_t kFewest = 8;      // triangles of which no fewer are made
-constexpr float kAnyError = 1e6f;       // the number of triangles is the goal, not the error
-constexpr std::size_t kCached = 20000;  // indices from which reading is faster than building
+constexpr double kGain = 0.8;            // a level must have at most this share of the triangles
+constexpr std::size_t kFewest = 8;       // triangles of which no fewer are made
+constexpr float kAnyError = 1e6f;        // the number of triangles is the goal, not the error
+constexpr std::size_t kOpened = 300000;  // indices of which every one is looked at, at most
+constexpr std::size_t kCached = 20000;   // indices from which reading is faster than building
 
 using Indices = std::vector<std::uint32_t>;
 
@@ -49,27 +50,31 @@ std::size_t half(const Indices& indices) {
     return (indices.size() / 3 + 1) / 2 * 3;
 }
 
-/// Borders are locked, so that meshes that meet at one (the primitives of an object) still do.
-/// Vertices split at a seam of attributes are moved together by meshoptimizer.
+/// Locked borders stay where they are, so that meshes that meet at one (the primitives of an
+/// object) still do; free ones may open a gap as wide as the error. Vertices split at a seam of
+/// attributes are moved together by meshoptimizer.
+enum class Borders { locked, free };
 Attempt collapsed(const float* positions, std::size_t count, std::size_t stride,
-                  const Indices& from, float scale) {
+                  const Indices& from, float scale, Borders borders) {
     Attempt attempt{Indices(from.size())};
     float error = 0;
-    attempt.indices.resize(meshopt_simplify(attempt.indices.data(), from.data(), from.size(),
-                                            positions, count, stride, half(from), kAnyError,
-                                            meshopt_SimplifyLockBorder, &error));
+    attempt.indices.resize(meshopt_simplify(
+        attempt.indices.data(), from.data(), from.size(), positions, count, stride, half(from),
+        kAnyError, borders == Borders::locked ? meshopt_SimplifyLockBorder : 0, &error));
     attempt.error = error * scale;
     return attempt;
 }
 
-/// Vertices at the same place as one, and back: each corner takes that of the vertices at its place
-/// whose normal is nearest to the new face's.
+/// Vertices at the same place and of the same colour as one, and back: each corner takes that of
+/// the vertices at its place whose normal is nearest to the new face's.
 class Welded {
 public:
     explicit Welded(const Mesh& m) : mesh(&m), placeOf(m.vertices.size()) {
-        const meshopt_Stream stream{positionsOf(m), sizeof(glm::vec3), sizeof(Vertex)};
+        const meshopt_Stream streams[]{
+            {positionsOf(m), sizeof(glm::vec3), sizeof(Vertex)},
+            {&m.vertices[0].color.x, sizeof(m.vertices[0].color), sizeof(Vertex)}};
         meshopt_generateVertexRemapMulti(placeOf.data(), m.indices.data(), m.indices.size(),
-                                         m.vertices.size(), &stream, 1);
+                                         m.vertices.size(), streams, std::size(streams));
         first.assign(m.vertices.size(), kNone);
         next.assign(m.vertices.size(), kNone);
         for (std::uint32_t v = static_cast<std::uint32_t>(m.vertices.size()); v-- > 0;) {
@@ -82,12 +87,12 @@ public:
             positions.push_back(m.vertices[first[place]].position);
     }
 
-    Attempt collapsed(const Indices& from, float scale) const {
+    Attempt collapsed(const Indices& from, float scale, Borders borders) const {
         Indices welded(from.size());
         std::transform(from.begin(), from.end(), welded.begin(),
                        [&](std::uint32_t v) { return placeOf[v]; });
         Attempt attempt =
-            scene::collapsed(&positions[0].x, places, sizeof(glm::vec3), welded, scale);
+            scene::collapsed(&positions[0].x, places, sizeof(glm::vec3), welded, scale, borders);
         for (std::size_t i = 0; i < attempt.indices.size(); i += 3) unweld(&attempt.indices[i]);
         return attempt;
     }
@@ -211,13 +216,14 @@ public:
         float looks = 0;            ///< root of the mean square
         float offPlace = INFINITY;  ///< of any vertex; infinite unless all were looked at
     };
-    Found of(const Indices& level) const {
+    Found of(const Indices& level, bool everyVertex) const {
         const Nearest nearest(*mesh, level);
         // Triangles at each place, of all the vertices there are at a seam.
         std::unordered_map<std::uint64_t, std::vector<std::uint32_t>> at;
         for (std::uint32_t i = 0; i < level.size(); ++i)
             at[keyOf(mesh->vertices[level[i]].position)].push_back(i / 3);
-        const std::size_t step = std::max<std::size_t>(mesh->indices.size() / kSamples, 1);
+        const std::size_t step =
+            everyVertex ? 1 : std::max<std::size_t>(mesh->indices.size() / kSamples, 1);
         double sum = 0;
         float farthest = 0;
         std::size_t count = 0;
@@ -321,13 +327,6 @@ bool textured(const Mesh& mesh, const Scene& scene) {
     return false;
 }
 
-/// Welding would smear what a corner says beside its normal.
-bool mayWeld(const Mesh& mesh, bool textured) {
-    return !textured &&
-           std::all_of(mesh.vertices.begin(), mesh.vertices.end(),
-                       [&](const Vertex& v) { return v.color == mesh.vertices[0].color; });
-}
-
 std::vector<std::byte> readFile(const fs::path& path) {
     std::ifstream file(path, std::ios::binary | std::ios::ate);
     if (!file) return {};
@@ -379,6 +378,8 @@ const char* nameOf(LodMethod method) {
             return "simplified";
         case LodMethod::welded:
             return "welded";
+        case LodMethod::opened:
+            return "opened";
         case LodMethod::sloppy:
             return "sloppy";
     }
@@ -401,7 +402,7 @@ MeshLods buildMeshLods(const Mesh& mesh, bool textured) {
     const float scale =
         meshopt_simplifyScale(positionsOf(mesh), mesh.vertices.size(), sizeof(Vertex));
     const LooksError looks(mesh, textured);
-    const bool weld = mayWeld(mesh, textured);
+    const bool weld = !textured;  // it would smear what a corner says beside normal and colour
     std::optional<Welded> welded;
     Indices now = mesh.indices;
     while (lods.levels.size() < kMaxLods && now.size() / 3 > kFewest) {
@@ -410,14 +411,25 @@ MeshLods buildMeshLods(const Mesh& mesh, bool textured) {
         LodMethod method = LodMethod::simplified;
         // Clusters have lost the borders and seams; what follows them is clustered too.
         if (finer.method != LodMethod::sloppy) {
-            attempt =
-                collapsed(positionsOf(mesh), mesh.vertices.size(), sizeof(Vertex), now, scale);
-            attempt.error += finer.offPlace;  // from the level before, which has its own
+            const auto collapse = [&](bool places, Borders borders) {
+                if (places && !welded) welded.emplace(mesh);
+                attempt = places ? welded->collapsed(now, scale, borders)
+                                 : collapsed(positionsOf(mesh), mesh.vertices.size(),
+                                             sizeof(Vertex), now, scale, borders);
+                attempt.error += finer.offPlace;  // from the level before, which has its own
+            };
+            collapse(false, Borders::locked);
             if (!gains(attempt, now) && weld) {
-                if (!welded) welded.emplace(mesh);
-                attempt = welded->collapsed(now, scale);
-                attempt.error += finer.offPlace;
+                collapse(true, Borders::locked);
                 method = LodMethod::welded;
+            }
+            // What opened once is open in all that follows.
+            if (finer.method == LodMethod::opened) method = LodMethod::opened;
+            for (const bool places : {false, true}) {
+                if (gains(attempt, now) || (places && !weld) || mesh.indices.size() > kOpened)
+                    break;
+                collapse(places, Borders::free);
+                method = LodMethod::opened;
             }
         }
         if (!gains(attempt, now)) {
@@ -427,9 +439,11 @@ MeshLods buildMeshLods(const Mesh& mesh, bool textured) {
         }
         if (!gains(attempt, now) || !std::isfinite(attempt.error)) break;
         // Collapses tell a bound that adds up from level to level; where every vertex has been
-        // looked at, that is known better.
-        const LooksError::Found found = looks.of(attempt.indices);
-        if (method != LodMethod::sloppy)
+        // looked at, that is known better. Parts that vanish at a free border are not in the bound.
+        const LooksError::Found found = looks.of(attempt.indices, method == LodMethod::opened);
+        if (method == LodMethod::opened)
+            attempt.error = std::max(found.offPlace, finer.offPlace);
+        else if (method != LodMethod::sloppy)
             attempt.error = std::min(attempt.error, std::max(found.offPlace, finer.offPlace));
         const float error = std::max({finer.error, attempt.error, found.looks});
         if (!std::isfinite(error)) break;

@@ -18,6 +18,7 @@ enum class LodMethod : std::uint32_t {
     whole,       ///< the mesh itself
     simplified,  ///< edges collapsed; borders and attribute seams stay closed
     welded,      ///< the same over welded positions, where split normals left nothing to collapse
+    opened,      ///< the same with free borders, where locked ones left nothing to collapse
     sloppy,      ///< vertices clustered, whatever the connectivity
 };
 const char* nameOf(LodMethod);

@@ -67,9 +67,8 @@ gpu::Image target(const gpu::Device& device, vk::Extent2D extent, vk::Format for
 
 MultisamplePlan planMultisample(std::uint32_t deviceSamples, std::uint32_t side) {
     if (deviceSamples < 4 || (side != 4 && side != 8)) return {};
-    return {.samples = 4,
-            .pixels = side / 4,
-            .shifts = {{0, 0}, {0.25f, 0}, {0.5f, 0}, {0.75f, 0}}};
+    return {
+        .samples = 4, .pixels = side / 4, .shifts = {{0, 0}, {0.25f, 0}, {0.5f, 0}, {0.75f, 0}}};
 }
 
 CaptureMs::Scratch::Scratch(const gpu::Device& device, std::uint32_t width, std::uint32_t rows,
@@ -95,7 +94,8 @@ CaptureMs::CaptureMs(const gpu::Device& device, const scene::SceneFeatures& feat
       gather(device, "gather samples", kGatherCode, {Slot::sampledImage, Slot::storageImage},
              sizeof(shared::CaptureMsParams), {side / plan.pixels, plan.samples}) {
     for (std::size_t bin = 0; bin < scene::kDrawBins; ++bin)
-        pipelines.push_back(makePipeline(device, features, side / plan.pixels, plan.samples, DrawBin(bin)));
+        pipelines.push_back(
+            makePipeline(device, features, side / plan.pixels, plan.samples, DrawBin(bin)));
 }
 
 void CaptureMs::record(gpu::Recorder& rec, const scene::GpuScene& scene,
@@ -110,10 +110,8 @@ void CaptureMs::record(gpu::Recorder& rec, const scene::GpuScene& scene,
         rec.beginRendering({.colors = {scratch.color}, .depth = scratch.depth});
         // A pixel more on each side, in whole pixels: some drivers cut off what a viewport with a
         // fraction covers of its last pixels. The shift is in the matrix.
-        rec.vk().setViewport(0, vk::Viewport{.y = -firstRow,
-                                             .width = wide.x,
-                                             .height = wide.y,
-                                             .maxDepth = 1});
+        rec.vk().setViewport(
+            0, vk::Viewport{.y = -firstRow, .width = wide.x, .height = wide.y, .maxDepth = 1});
         glm::mat4 shifted(1);
         shifted[0][0] = size.x / wide.x;
         shifted[1][1] = size.y / wide.y;

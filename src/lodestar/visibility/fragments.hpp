@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <lodestar/visibility/fragments_params.h>
 #include <lodestar/scene/gpu_scene.hpp>
 #include <lodestar/visibility/compact.hpp>
-#include <lodestar/visibility/fragments_params.h>
 #include <lodestar/visibility/rebuild.hpp>
 
 namespace lodestar::visibility {
