@@ -119,7 +119,7 @@ TEST(RenderProgram, severalSamplesAPixelGiveAnAntialiasedPicture) {
     const TempFolder folder;
     const auto png = folder / "f.png", json = folder / "f.json";
     const std::string render =
-        "render builtin:spheres --camera 1 --size 40x28 --out " + quoted(png);
+        "render builtin:spheres --camera 1 --size 40x28 --lod off --out " + quoted(png);
     ASSERT_EQ(run(folder, render).status, 0);
     const auto plain = readImage(png);
     const Ended smooth =
