@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 #include <glm/gtc/constants.hpp>
 
+#include "app/capture.hpp"
 #include "app/cli.hpp"
 #include "app/geometry_options.hpp"
 
@@ -361,6 +362,8 @@ Json settingsJson(const frame::FrameSettings& s) {
             {"lod", nameOf(s.lod)},
             {"supersample", s.supersample},
             {"supersample_filter", s.reduce == post::ReduceFilter::box ? "box" : "mitchell"},
+            {"capture_rate", s.captureSide * s.captureSide},
+            {"capture", nameOf(s.capture)},
             {"reconstruct", nameOf(s.reconstruct)},
             {"packing", s.packing == upsample::Packing::full ? "full" : "yang"},
             {"max_scale", s.maxScale},

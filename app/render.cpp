@@ -11,6 +11,7 @@
 
 #include "app/aov.hpp"
 #include "app/budget_run.hpp"
+#include "app/capture.hpp"
 #include "app/console.hpp"
 #include "app/frame_options.hpp"
 #include "app/geometry_options.hpp"
@@ -28,6 +29,7 @@ struct Options {
     gpu::DeviceRequest device;
     ViewOptions view;
     frame::FrameSettings settings;
+    frame::CaptureSettings capture;
     fs::path out, json;
     std::size_t frames = 1;
     CameraPath path;
@@ -196,12 +198,38 @@ Result<Tuning> warmUp(const Options& options, const Session& session, frame::Fra
                  .localRate = options.levers.localRate});
 }
 
+/// Several samples a pixel are shaded at full rate: what says otherwise is refused.
+Result<void> checkCapture(const Options& options) {
+    const std::uint32_t side = options.capture.side;
+    if (side == 1 && options.capture.backend != frame::CaptureBackend::automatic &&
+        options.capture.backend != frame::CaptureBackend::supersample)
+        return fail("--capture: at one sample a pixel there is only ss; give --capture-rate");
+    if (side == 1) return {};
+    const budget::Levers& levers = options.levers;
+    bool full = true;
+    for (std::size_t i = 0; i < budget::kTerms; ++i) full &= levers.rate(budget::Term(i)) == 1;
+    if (options.budget || !options.settingsFile.empty() || !full || options.settings.showLods ||
+        !options.outside.empty() || levers.renderScale != 1 || options.settings.supersample > 1 ||
+        options.settings.temporal.mode != scale::TemporalMode::off)
+        return fail(
+            "--capture-rate over 1 shades the finest level of detail at full rate: leave out "
+            "--budget, --settings, --shading-rate, --show-lods, --outside, --scale, --supersample "
+            "and --temporal");
+    if (std::max(options.view.size.width, options.view.size.height) > int(16384 / side))
+        return fail(fmt::format("--size: at {} samples a pixel at most {} a side", side * side,
+                                16384 / side));
+    return {};
+}
+
 Result<void> run(Options options) {
+    if (auto can = checkCapture(options); !can) return can;
     if (!options.settingsFile.empty()) {
         const auto levers = readSettings(options.settingsFile);
         if (!levers) return tl::unexpected(levers.error());
         options.levers = *levers;
     }
+    options.settings.captureSide = options.capture.side;
+    options.settings.capture = options.capture.backend;
     auto session = openSession(options.scene, options.device);
     if (!session) return tl::unexpected(session.error());
     const auto camera = resolveCamera(*session, options.view);
@@ -392,6 +420,11 @@ void addRender(CLI::App& app, int& exitCode) {
     for (CLI::Option* chosen : {tuned, settings})
         chosen->excludes(command->get_option("--shading-rate"));
     addGeometryOptions(*command, o->settings);
+    addCaptureOptions(*command, o->capture);
+    command->get_option("--capture-rate")
+        ->description(
+            "samples a pixel: 1, 4, 16 or 64; above 1 the frame is captured, compacted and every "
+            "surface of a pixel weighs its samples: anti-aliased");
     addFrameOptions(*command, o->settings);
     addParsed(*command, "--aov", o->aovs, parseAovs,
               "also write these as EXR beside --out: depth, normal, albedo, roughness, metallic, "

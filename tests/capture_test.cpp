@@ -129,7 +129,7 @@ TEST_F(CaptureTest, backendsAgreeButForSnapping) {
 TEST_F(CaptureTest, multisamplePassesVisitEveryCellOnce) {
     for (const auto& [device, side] : {std::pair{4u, 4u}, {4u, 8u}, {8u, 8u}, {8u, 4u}}) {
         const auto plan = visibility::planMultisample(device, side);
-        EXPECT_EQ(plan.shifts.size() * plan.samples, side * side);
+        EXPECT_EQ(plan.shifts.size() * plan.samples * plan.pixels * plan.pixels, side * side);
     }
     EXPECT_TRUE(visibility::planMultisample(1, 4).shifts.empty());
     EXPECT_TRUE(visibility::planMultisample(4, 2).shifts.empty());

@@ -375,6 +375,9 @@ TEST_F(FrameTest, antialiasedOutputComesCloseToSupersampledShading) {
         const auto smooth = coarse.halves(coarse.frame.radiance());
         EXPECT_GT(coarse.frame.furtherFragments(), 20u);
         EXPECT_LT(coarse.frame.furtherFragments(), 6 * kWidth * kHeight);
+        // Which thread lists what first changes nothing.
+        coarse.frame.rebuildAntialiased(capture.compact(), camera);
+        EXPECT_EQ(coarse.halves(coarse.frame.radiance()), smooth);
         // Tone-mapped roughly as the eye does, so that highlights do not outweigh the rest.
         const auto error = [&](const std::vector<glm::vec4>& picture) {
             double sum = 0;
@@ -396,8 +399,24 @@ TEST_F(FrameTest, antialiasingAPictureOfOneSurfaceShadesItOnce) {
     CaptureFrame capture(device(), stage.onGpu, {.base = {40, 40}, .side = 8});
     capture.capture(camera);
     stage.frame.rebuildAntialiased(capture.compact(), camera);
-    EXPECT_EQ(stage.frame.furtherFragments(), 0u);
+    EXPECT_EQ(stage.frame.furtherFragments(), 0u);  // the sky around it is a neighbour's too
     EXPECT_GT(quality::psnr(plain, pictureOf(stage)), 50);
+}
+
+TEST_F(FrameTest, severalSamplesAPixelAreCapturedAndBlendedInOneGo) {
+    FrameSettings settings = small(48, 32);
+    settings.captureSide = 4;
+    settings.capture = CaptureBackend::supersample;
+    Stage stage(device(), *scene::buildBuiltin("spheres"), settings);
+    const Camera camera = cameraOf(stage.source, 1);
+    const auto inOne = stage.render(camera);
+    EXPECT_EQ(stage.frame.ids().extent(), settings.size);
+    CaptureFrame capture(
+        device(), stage.onGpu,
+        {.base = settings.size, .side = 4, .backend = CaptureBackend::supersample});
+    capture.capture(camera);
+    stage.frame.rebuildAntialiased(capture.compact(), camera);
+    EXPECT_EQ(pictureOf(stage).rgb, inOne.rgb);
 }
 
 }  // namespace

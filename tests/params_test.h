@@ -67,6 +67,8 @@ struct AllParams {
     CaptureMsParams captureMs;
     ExpandParams expand;
     FragmentsParams fragments;
+    FragmentCounts fragmentCounts;
+    FurtherPixel furtherPixel;
     RebuildParams rebuild;
     SampleGridParams sampleGrid;
     SpatialParams spatial;
@@ -189,8 +191,10 @@ LS_NAMESPACE_END
     VISIT(p.captureMs.shift) VISIT(p.captureMs.size) \
     VISIT(p.expand.clipFromWorld) VISIT(p.expand.base) VISIT(p.expand.size) \
     VISIT(p.expand.maskedFrom) \
-    VISIT(p.fragments.clipFromWorld) VISIT(p.fragments.eye) VISIT(p.fragments.base) \
-    VISIT(p.fragments.capacity) \
+    VISIT(p.fragments.base) VISIT(p.fragments.capacity) \
+    VISIT(p.fragmentCounts.mixed) VISIT(p.fragmentCounts.pixels) \
+    VISIT(p.fragmentCounts.further) \
+    VISIT(p.furtherPixel.pixel) VISIT(p.furtherPixel.first) VISIT(p.furtherPixel.count) \
     VISIT(p.rebuild.pixelNdc) VISIT(p.rebuild.size) VISIT(p.rebuild.textureScale) \
     VISIT(p.sampleGrid.size) VISIT(p.sampleGrid.fullSize) VISIT(p.sampleGrid.rate) \
     VISIT(p.spatial.step) VISIT(p.spatial.texelSize) VISIT(p.spatial.last) \

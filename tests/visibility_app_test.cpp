@@ -29,9 +29,10 @@ std::string contents(const std::filesystem::path& file) {
 }
 
 /// The program itself on Mesa's CPU driver.
-Ended run(const TempFolder& folder, const std::string& arguments) {
+Ended run(const TempFolder& folder, const std::string& arguments,
+          const std::string& environment = "") {
     const auto out = folder / "stdout", err = folder / "stderr";
-    const std::string command = "\"" LODESTAR_PROGRAM "\" " + arguments +
+    const std::string command = environment + " \"" LODESTAR_PROGRAM "\" " + arguments +
                                 " --device llvmpipe > \"" + out.string() + "\" 2> \"" +
                                 err.string() + "\"";
     const int status = std::system(command.c_str());
@@ -94,6 +95,57 @@ TEST(CaptureProgram, whatCannotBeIsRefusedInALine) {
     expectOneErrorLine(run(folder, "rebuild " + quoted(folder / "none.lvis") +
                                        " builtin:spheres --out " + quoted(folder / "x.png")),
                        1);
+}
+
+TEST(CaptureProgram, computeGivesTheSameBytesOnAnyNumberOfThreads) {
+    const TempFolder folder;
+    std::string first;
+    for (const char* threads : {"1", "2", "5"}) {
+        const auto stream = folder / (std::string(threads) + ".lvis");
+        const Ended ended = run(folder,
+                                "capture builtin:columns --camera 1 --size 75x47 --capture-rate 16 "
+                                "--capture compute --out " +
+                                    quoted(stream),
+                                std::string("LP_NUM_THREADS=") + threads);
+        ASSERT_EQ(ended.status, 0) << ended.err;
+        const std::string bytes = contents(stream);
+        EXPECT_GT(bytes.size(), 5000u);
+        if (first.empty()) first = bytes;
+        EXPECT_TRUE(bytes == first) << threads << " threads";
+    }
+}
+
+TEST(RenderProgram, severalSamplesAPixelGiveAnAntialiasedPicture) {
+    const TempFolder folder;
+    const auto png = folder / "f.png", json = folder / "f.json";
+    const std::string render =
+        "render builtin:spheres --camera 1 --size 40x28 --lod off --out " + quoted(png);
+    ASSERT_EQ(run(folder, render).status, 0);
+    const auto plain = readImage(png);
+    const Ended smooth =
+        run(folder, render + " --capture-rate 16 --capture ss --validate --aov depth,id --json " +
+                        quoted(json));
+    ASSERT_EQ(smooth.status, 0) << smooth.err;
+    const Json report = Json::parse(contents(json));
+    EXPECT_EQ(report.at("settings").at("capture_rate"), 16);
+    EXPECT_GT(report.at("counts").at("triangles_visible"), 100);
+    EXPECT_NE(readImage(png)->rgb, plain->rgb);
+    // The same as a stream, rebuilt.
+    const auto stream = folder / "f.lvis", other = folder / "g.png";
+    ASSERT_EQ(run(folder, "capture builtin:spheres --camera 1 --size 40x28 --capture ss --out " +
+                              quoted(stream))
+                  .status,
+              0);
+    ASSERT_EQ(run(folder, "rebuild " + quoted(stream) + " builtin:spheres --antialias --out " +
+                              quoted(other))
+                  .status,
+              0);
+    EXPECT_EQ(readImage(png)->rgb, readImage(other)->rgb);
+
+    expectOneErrorLine(run(folder, render + " --capture-rate 16 --shading-rate 2"), 1);
+    expectOneErrorLine(run(folder, render + " --capture-rate 4 --budget 50%"), 1);
+    expectOneErrorLine(run(folder, render + " --capture ms"), 1);
+    expectOneErrorLine(run(folder, render + " --capture-rate 3"), 2);
 }
 
 BenchOptions quickOptions(const TempFolder& folder) {

@@ -71,6 +71,7 @@ lodestar_shaders(lodestar
     visibility/compact.comp
     visibility/expand.comp
     visibility/fragments.comp
+    visibility/merge.comp
     visibility/motion.comp
     visibility/rebuild.comp
     visibility/sample_grid.comp

@@ -121,6 +121,12 @@ const FrameSettings& checked(const FrameSettings& s) {
         throw std::invalid_argument("FrameSettings::exposure must be ≥ 0");
     if (s.skyViews > shared::LS_MAX_SKY_VIEWS)
         throw std::invalid_argument("FrameSettings::skyViews must be ≤ 16");
+    if (s.captureSide != 1 && s.captureSide != 2 && s.captureSide != 4 && s.captureSide != 8)
+        throw std::invalid_argument("FrameSettings::captureSide must be 1, 2, 4 or 8");
+    if (std::max(s.size.width, s.size.height) > 16384 / s.captureSide)
+        throw std::invalid_argument("FrameSettings::size must be ≤ 16384 / captureSide");
+    if (s.captureSide > 1 && s.showLods)
+        throw std::invalid_argument("FrameSettings::showLods needs captureSide 1");
     if (s.skyTaps < 1 || s.skyTaps > 32)
         throw std::invalid_argument("FrameSettings::skyTaps must be 1 … 32");
     if (s.skyMapSize < 16 || s.skyMapSize > 4096)
@@ -131,6 +137,10 @@ const FrameSettings& checked(const FrameSettings& s) {
             "FrameSettings::supersample must be 1 … 4, and O ≤ 16384 a side");
     if (s.supersample > 1 && s.showLods)
         throw std::invalid_argument("FrameSettings::showLods: not with supersample");
+    if (s.captureSide > 1 && (s.supersample > 1 || s.maxScale > 1 || s.motion ||
+                              s.temporal.mode != scale::TemporalMode::off))
+        throw std::invalid_argument(
+            "FrameSettings::captureSide: not with supersample, maxScale, motion or temporal");
     if (s.supersample > 1 && s.temporal.mode != scale::TemporalMode::off)
         throw std::invalid_argument("FrameSettings::temporal: not with supersample");
     return s;
@@ -194,8 +204,8 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       skyImage(makeSkyImage(owner, sky)),
       coarseImage(target(owner, room, vk::Format::eR32G32B32A32Uint, "coarse", Usage::eStorage)),
       termImage(target(owner, room, vk::Format::eR16G16B16A16Sfloat, "terms", Usage::eStorage)),
-      radianceImage(
-          target(owner, room, vk::Format::eR16G16B16A16Sfloat, "radiance", Usage::eStorage)),
+      radianceImage(target(owner, room, vk::Format::eR16G16B16A16Sfloat, "radiance",
+                           Usage::eStorage | Usage::eTransferDst)),
       shownImage(target(owner, room, vk::Format::eR8G8B8A8Unorm, "shown", Usage::eStorage)),
       displayImage(target(owner, shown, vk::Format::eR8G8B8A8Unorm, "display", Usage::eStorage)),
       surfaces(owner, room),
@@ -214,6 +224,7 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
 }
 
 gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers& levers) {
+    if (options.captureSide > 1) return renderSamples(camera);
     if (options.exposure == 0) {
         options.exposure = 1;
         render(camera, {});
@@ -242,7 +253,25 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
     return rec.submit();
 }
 
+/// Captured, compacted and rebuilt in one go.
+gpu::FrameTimes Frame::renderSamples(const scene::Camera& camera) {
+    if (!samples) {
+        CaptureSettings settings{
+            .base = options.size, .side = options.captureSide, .backend = options.capture};
+        if (options.capture == CaptureBackend::automatic)
+            settings.backend = chooseBackend(*device, *scene, settings, camera);
+        samples.emplace(*device, *scene, settings);
+    }
+    const gpu::FrameTimes captured = samples->capture(camera).times;
+    gpu::FrameTimes times = rebuildAntialiased(samples->compact(), camera);
+    times.gpuMs += captured.gpuMs;
+    times.wallMs += captured.wallMs;
+    times.passes.insert(times.passes.begin(), captured.passes.begin(), captured.passes.end());
+    return times;
+}
+
 gpu::FrameTimes Frame::renderOutside(const scene::Camera& outside) {
+    if (samples) throw std::logic_error("Frame::renderOutside needs captureSide 1");
     begin(outside, 1, scale::TemporalMode::off);
     rec.barrier(Stage::compute, Stage::raster);
     capture.record(rec, *scene, eyeList, clipFromWorld(outside), {ids(), part(depthBuffer, live)},
@@ -401,16 +430,14 @@ glm::mat4 Frame::clipFromWorld(const scene::Camera& camera) const {
     return clip;
 }
 
-Frame::Smooth Frame::makeSmooth(const visibility::CompactRecord& from,
-                                std::uint32_t capacity) const {
-    visibility::FragmentSet set(*device, from, capacity);
+Frame::Smooth Frame::makeSmooth(std::uint32_t side, std::uint32_t capacity) const {
+    visibility::FragmentSet set(*device, options.size, capacity);
     const vk::Extent2D more = set.moreIds.extent();
     const auto radiance = [&](vk::Extent2D extent, const char* name) {
         return target(*device, extent, vk::Format::eR16G16B16A16Sfloat, name, Usage::eStorage);
     };
-    return {.side = from.side,
-            .fragments = {*device, from.side},
-            .resolve = {*device, from.side},
+    return {.side = side,
+            .fragments = {*device, side},
             .set = std::move(set),
             .surfaces = {*device, more},
             .terms = radiance(more, "fragments: terms"),
@@ -427,24 +454,12 @@ gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
         rebuildAntialiased(from, camera);
         meter();
     }
-    const std::uint32_t pixels = from.base.width * from.base.height;
-    if (!smooth || smooth->side != from.side ||
-        smooth->set.merges.bytes() < from.lists.buffer().bytes())
-        smooth.emplace(makeSmooth(from, pixels / 4 + 1));
-    rec.begin();
-    smooth->fragments.recordCount(rec, *scene, from, clipFromWorld(camera), camera.eye,
-                                  smooth->set);
-    const gpu::FrameTimes counted = rec.submit();
-    if (const std::uint32_t needed = smooth->set.needed(); needed > smooth->set.capacity) {
-        // Rare enough to count again, in a set that has room.
-        smooth.emplace(makeSmooth(from, needed + needed / 4));
-        return rebuildAntialiased(from, camera);
-    }
-
-    begin(camera, 1, scale::TemporalMode::off);
-    auto& set = smooth->set;
-    smooth->fragments.recordWrite(rec, *scene, from, clipFromWorld(camera), camera.eye, set);
-    rec.barrier(Stage::compute, Stage::compute);
+    if (!smooth || smooth->side != from.side)
+        smooth.emplace(makeSmooth(from.side, options.size.width * options.size.height / 16 + 1));
+    listHolds = refines = false;
+    const visibility::Fragments& fragments = smooth->fragments;
+    const visibility::FragmentSet& set = smooth->set;
+    const gpu::Image& mainRadiance = smooth->mainRadiance;
     const auto shadeAt = [&](const gpu::View& ids, const gpu::View& points,
                              const visibility::Surface& surface, const gpu::View& terms,
                              const gpu::View& radiance) {
@@ -458,19 +473,38 @@ gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
                        {viewBuffer, lightBuffer, surface.depth, surface.material, surface.emissive,
                         terms, skyImage, scene->lights, points},
                        radiance);
+        rec.barrier(Stage::compute, Stage::compute);
     };
-    shadeAt(set.ids, set.points, surfaces, termImage, smooth->mainRadiance);
+    // A fragment a pixel, and from them most of what else the pixels list.
+    begin(camera, 1, scale::TemporalMode::off);
+    fragments.record(rec, from, set);
+    rec.barrier(Stage::compute, Stage::compute);
+    shadeAt(set.ids, set.points, surfaces, termImage, mainRadiance);
+    fragments.recordMerge(rec, *scene, from,
+                          {viewBuffer, surfaces.depth, surfaces.normal, mainRadiance}, set,
+                          radianceImage);
+    const gpu::FrameTimes first = rec.submit();
+    if (set.overflowed()) {
+        // Rare enough to begin again, in a set that has room.
+        const std::uint32_t needed = set.found().further;
+        smooth.emplace(makeSmooth(from.side, needed + needed / 4));
+        return rebuildAntialiased(from, camera);
+    }
+
+    // The few that are left.
     const auto more = [&](const gpu::Image& image) { return part(image, set.moreExtent()); };
-    if (set.needed() > 0)
+    rec.begin();
+    if (set.found().further > 0) {
         shadeAt(more(set.moreIds), more(set.morePoints), smooth->surfaces, more(smooth->terms),
                 more(smooth->radiance));
-    rec.barrier(Stage::compute, Stage::compute);
-    smooth->resolve.record(rec, set, smooth->mainRadiance, smooth->radiance, radiance());
+        fragments.recordResolve(rec, more(smooth->radiance), set, radianceImage);
+        rec.barrier(Stage::compute, Stage::compute);
+    }
     show();
     gpu::FrameTimes times = rec.submit();
-    times.gpuMs += counted.gpuMs;
-    times.wallMs += counted.wallMs;
-    times.passes.insert(times.passes.begin(), counted.passes.begin(), counted.passes.end());
+    times.gpuMs += first.gpuMs;
+    times.wallMs += first.wallMs;
+    times.passes.insert(times.passes.begin(), first.passes.begin(), first.passes.end());
     return times;
 }
 

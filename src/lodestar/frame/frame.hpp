@@ -5,6 +5,7 @@
 #include <optional>
 
 #include <lodestar/budget/levers.hpp>
+#include <lodestar/frame/capture_frame.hpp>
 #include <lodestar/frame/light_maps.hpp>
 #include <lodestar/frame/motion_tracker.hpp>
 #include <lodestar/geometry/cull.hpp>
@@ -60,6 +61,10 @@ struct FrameSettings {
     geometry::CullMode cull = geometry::CullMode::frustum;
     geometry::LodChoice lod;
     bool showLods = false;  ///< colour the picture by level of detail
+    /// s, 1, 2, 4 or 8: above 1 render() captures s² samples a pixel and blends what they show, the
+    /// finest level of detail at full shading rate.
+    std::uint32_t captureSide = 1;
+    CaptureBackend capture = CaptureBackend::automatic;  ///< above 1
 };
 
 /// The whole frame: owns the targets, composes the passes.
@@ -68,7 +73,7 @@ public:
     /// Throws std::invalid_argument for settings out of range.
     Frame(const gpu::Device&, const scene::GpuScene&, const FrameSettings&);
 
-    /// Renders one picture and waits for it.
+    /// Renders one picture and waits for it. With several samples a pixel the levers have no say.
     gpu::FrameTimes render(const scene::Camera&, const budget::Levers&);
     /// What the last render() drew, seen from elsewhere at full quality: what its culling left out
     /// is missing, levels of detail are those it picked.
@@ -79,10 +84,11 @@ public:
     gpu::FrameTimes rebuild(const visibility::CompactRecord&, const scene::Camera&,
                             const budget::Levers&);
     /// Anti-aliased, at the size of the record's grid B and at full shading rate: every surface a
-    /// pixel lists is shaded once and weighs as many samples as show it.
+    /// pixel lists weighs as many samples as show it, and is shaded once for all pixels around
+    /// that show it too.
     gpu::FrameTimes rebuildAntialiased(const visibility::CompactRecord&, const scene::Camera&);
     /// Of the last rebuildAntialiased: fragments shaded beyond one a pixel.
-    std::uint32_t furtherFragments() const { return smooth ? smooth->set.needed() : 0; }
+    std::uint32_t furtherFragments() const { return smooth ? smooth->set.found().further : 0; }
 
     /// The last picture: RGBA8, sRGB-encoded.
     const gpu::Image& display() const { return displayImage; }
@@ -92,7 +98,8 @@ public:
     /// where that is not the size of the display.
     const gpu::Image& shown() const { return shownImage; }
     gpu::View radiance() const { return part(radianceImage, live); }
-    gpu::View ids() const { return part(idImage, live); }
+    /// Anti-aliased: those of the main fragments.
+    gpu::View ids() const { return part(samples && smooth ? smooth->set.ids : idImage, live); }
     gpu::View depth() const { return part(surfaces.depth, live); }
     gpu::View normal() const { return part(surfaces.normal, live); }
     gpu::View material() const { return part(surfaces.material, live); }
@@ -108,7 +115,7 @@ public:
     /// N of the sun's filter from the next frame on, where there is a shadow: a change of load.
     /// Throws std::invalid_argument outside 1 … 64.
     void setShadowTaps(std::uint32_t taps);
-    const geometry::DrawList& drawList() const { return eyeList; }
+    const geometry::DrawList& drawList() const { return samples ? samples->drawList() : eyeList; }
     /// Forgets the last picture, which is otherwise used to guess what hides what.
     void resetOcclusion() { hiz.reset(); }
     /// Forgets it for motion too: the camera was cut.
@@ -120,6 +127,7 @@ private:
     Frame(const gpu::Device&, const scene::GpuScene&, const FrameSettings&, vk::Extent2D shown);
     /// Begins a picture: its grid O, light maps and uniforms.
     void begin(const scene::Camera&, float renderScale, scale::TemporalMode);
+    gpu::FrameTimes renderSamples(const scene::Camera&);
     void shade(const budget::Levers&);
     /// From radiance on grid O to the display.
     void show();
@@ -141,7 +149,6 @@ private:
     struct Smooth {
         std::uint32_t side;
         visibility::Fragments fragments;
-        visibility::Resolve resolve;
         visibility::FragmentSet set;
         visibility::Surface surfaces;  // of the further fragments
         gpu::Image terms, radiance, mainRadiance;
@@ -160,7 +167,7 @@ private:
         gpu::Image radiance;
     };
     Whole makeWhole() const;
-    Smooth makeSmooth(const visibility::CompactRecord&, std::uint32_t capacity) const;
+    Smooth makeSmooth(std::uint32_t side, std::uint32_t capacity) const;
     void writeUniforms(const scene::Camera&);
     void findVisible(const geometry::CullView&);
 
@@ -206,6 +213,7 @@ private:
     scale::TemporalMode joining = scale::TemporalMode::off;  ///< of this frame
     std::uint32_t pictures = 0;
     std::optional<Rebuilding> rebuilding;
+    std::optional<CaptureFrame> samples;  ///< where the settings ask for several a pixel
     std::optional<Smooth> smooth;
     std::optional<Whole> whole;
     std::optional<Reduction> reduction;

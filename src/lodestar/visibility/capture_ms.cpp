@@ -66,33 +66,23 @@ gpu::Image target(const gpu::Device& device, vk::Extent2D extent, vk::Format for
 }  // namespace
 
 MultisamplePlan planMultisample(std::uint32_t deviceSamples, std::uint32_t side) {
-    const auto steps = [](std::uint32_t n) {
-        std::vector<glm::vec2> shifts;
-        for (std::uint32_t k = 0; k < n; ++k) shifts.push_back({float(k) / float(n), 0});
-        return shifts;
-    };
-    if (side == 8 && deviceSamples >= 8) return {8, steps(8)};
-    if (side == 4 && deviceSamples >= 4) return {4, steps(4)};
-    if (side == 8 && deviceSamples >= 4) {
-        // Each cell of the 4 × 4 grid holds 2 × 2 of the 8 × 8, ±1/16 from its centre.
-        MultisamplePlan plan{4, {}};
-        for (const float y : {-0.0625f, 0.0625f})
-            for (const float x : {-0.0625f, 0.0625f})
-                for (const glm::vec2 s : steps(4)) plan.shifts.push_back(s + glm::vec2(x, y));
-        return plan;
-    }
-    return {};
+    if (deviceSamples < 4 || (side != 4 && side != 8)) return {};
+    return {
+        .samples = 4, .pixels = side / 4, .shifts = {{0, 0}, {0.25f, 0}, {0.5f, 0}, {0.75f, 0}}};
 }
 
 CaptureMs::Scratch::Scratch(const gpu::Device& device, std::uint32_t width, std::uint32_t rows,
                             std::uint32_t s)
-    : color(target(device, {width + 1, rows + 1}, vk::Format::eR8G8B8A8Unorm,
-                   checkedPlan(device, s).samples, Usage::eColorAttachment | Usage::eSampled,
-                   "capture: multisamples")),
-      depth(target(device, {width + 1, rows + 1}, vk::Format::eD32Sfloat,
-                   checkedPlan(device, s).samples, Usage::eDepthStencilAttachment,
-                   "capture: multisample depth")),
-      ids(target(device, {width * s, rows * s}, vk::Format::eR32Uint, 1,
+    : Scratch(device, checkedPlan(device, s), {width, rows}, s) {}
+
+CaptureMs::Scratch::Scratch(const gpu::Device& device, const MultisamplePlan& plan,
+                            vk::Extent2D band, std::uint32_t s)
+    : color(target(device, {band.width * plan.pixels + 1, band.height * plan.pixels + 1},
+                   vk::Format::eR8G8B8A8Unorm, plan.samples,
+                   Usage::eColorAttachment | Usage::eSampled, "capture: multisamples")),
+      depth(target(device, color.extent(), vk::Format::eD32Sfloat, plan.samples,
+                   Usage::eDepthStencilAttachment, "capture: multisample depth")),
+      ids(target(device, {band.width * s, band.height * s}, vk::Format::eR32Uint, 1,
                  Usage::eStorage | Usage::eSampled | Usage::eTransferSrc, "capture: samples")) {}
 
 CaptureMs::CaptureMs(const gpu::Device& device, const scene::SceneFeatures& features,
@@ -102,9 +92,10 @@ CaptureMs::CaptureMs(const gpu::Device& device, const scene::SceneFeatures& feat
       sampler(makeTextureSampler(device)),
       pointSampler(device.vk(), vk::SamplerCreateInfo{}),
       gather(device, "gather samples", kGatherCode, {Slot::sampledImage, Slot::storageImage},
-             sizeof(shared::CaptureMsParams), {side, plan.samples}) {
+             sizeof(shared::CaptureMsParams), {side / plan.pixels, plan.samples}) {
     for (std::size_t bin = 0; bin < scene::kDrawBins; ++bin)
-        pipelines.push_back(makePipeline(device, features, side, plan.samples, DrawBin(bin)));
+        pipelines.push_back(
+            makePipeline(device, features, side / plan.pixels, plan.samples, DrawBin(bin)));
 }
 
 void CaptureMs::record(gpu::Recorder& rec, const scene::GpuScene& scene,
@@ -113,15 +104,14 @@ void CaptureMs::record(gpu::Recorder& rec, const scene::GpuScene& scene,
     const auto pass = rec.pass("capture");
     const auto bindings = scene::withScene(
         scene, {list.ids, scene.materials, {scene.textureViews(), sampler}, scene.secondUvs});
-    const glm::vec2 size(base.width, base.height), wide = size + 2.0f;
+    const glm::vec2 size(base.width * plan.pixels, base.height * plan.pixels), wide = size + 2.0f;
+    const auto firstRow = static_cast<float>(band.firstRow * plan.pixels);
     for (const glm::vec2 shift : plan.shifts) {
         rec.beginRendering({.colors = {scratch.color}, .depth = scratch.depth});
         // A pixel more on each side, in whole pixels: some drivers cut off what a viewport with a
         // fraction covers of its last pixels. The shift is in the matrix.
-        rec.vk().setViewport(0, vk::Viewport{.y = -static_cast<float>(band.firstRow),
-                                             .width = wide.x,
-                                             .height = wide.y,
-                                             .maxDepth = 1});
+        rec.vk().setViewport(
+            0, vk::Viewport{.y = -firstRow, .width = wide.x, .height = wide.y, .maxDepth = 1});
         glm::mat4 shifted(1);
         shifted[0][0] = size.x / wide.x;
         shifted[1][1] = size.y / wide.y;
@@ -130,8 +120,7 @@ void CaptureMs::record(gpu::Recorder& rec, const scene::GpuScene& scene,
             if (scene.binStarts()[bin] == scene.binStarts()[bin + 1]) continue;
             rec.drawIndirect(pipelines[bin], list.draws, bin * sizeof(vk::DrawIndirectCommand),
                              bindings,
-                             shared::CaptureMsDrawParams{shifted * clipFromWorld, wide,
-                                                         static_cast<float>(band.firstRow)});
+                             shared::CaptureMsDrawParams{shifted * clipFromWorld, wide, firstRow});
         }
         rec.endRendering();
         rec.barrier(Stage::raster, Stage::compute);

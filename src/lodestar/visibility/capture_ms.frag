@@ -11,7 +11,7 @@
 // in where they interpolate then, so the point is found by its sample's number.
 
 layout(constant_id = 1) const uint kMasked = 0;
-layout(constant_id = 2) const uint kSide = 4;     // s: samples a side of a pixel in grid C
+layout(constant_id = 2) const uint kSide = 4;     // samples a side of a pixel of the target
 layout(constant_id = 3) const uint kSamples = 4;  // a pixel of the target
 layout(constant_id = 4) const uint kBaseColorArrays = 255;
 

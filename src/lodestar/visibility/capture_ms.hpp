@@ -9,11 +9,14 @@
 namespace lodestar::visibility {
 
 /// How multisample passes cover a pixel's s × s samples: each pass draws the geometry shifted, at
-/// `samples` a pixel in the standard pattern. One sample of that pattern lies in each row and each
-/// column of its ordered grid, so shifts along x visit every cell once.
+/// `samples` a pixel of the target in the standard pattern. One sample of that pattern lies in each
+/// row and each column of its ordered grid, so shifts along x visit every cell once. For s = 8 the
+/// target is twice as fine as grid B: fewer passes than shifts both ways at B would take, and
+/// vertices snap half as far.
 struct MultisamplePlan {
-    std::uint32_t samples = 1;      ///< of the target: 2, 4 or 8; 1 = no plan for this device and s
-    std::vector<glm::vec2> shifts;  ///< of each pass [pixels of grid B]
+    std::uint32_t samples = 1;      ///< a pixel of the target; 1 = no plan for this device and s
+    std::uint32_t pixels = 1;       ///< of the target, a side of a pixel of grid B
+    std::vector<glm::vec2> shifts;  ///< of each pass [pixels of the target]
 };
 /// `deviceSamples` is Device::multisamples().
 MultisamplePlan planMultisample(std::uint32_t deviceSamples, std::uint32_t side);
@@ -29,7 +32,8 @@ public:
     /// Working memory for bands of up to `rows` rows of grid B.
     struct Scratch {
         Scratch(const gpu::Device&, std::uint32_t width, std::uint32_t rows, std::uint32_t side);
-        gpu::Image color, depth;  ///< multisampled, one pixel larger each way
+        Scratch(const gpu::Device&, const MultisamplePlan&, vk::Extent2D band, std::uint32_t side);
+        gpu::Image color, depth;  ///< multisampled, a pixel larger each way
         gpu::Image ids;           ///< grid C
     };
 

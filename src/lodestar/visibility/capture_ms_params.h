@@ -6,12 +6,12 @@ LS_NAMESPACE_BEGIN
 
 struct CaptureMsDrawParams {
     mat4 clipFromWorld;  // shifted; first, where capture_ss.vert looks for it
-    vec2 size;           // that clip space spans [pixels of grid B]
-    float firstRow;      // of the band, in grid B
+    vec2 size;           // that clip space spans [pixels of the target]
+    float firstRow;      // of the band, in the target
 };
 
 struct CaptureMsParams {
-    vec2 shift;  // of the geometry in this pass [pixels of grid B]
+    vec2 shift;  // of the geometry in this pass [pixels of the target]
     uvec2 size;  // of the band of grid C
 };
 

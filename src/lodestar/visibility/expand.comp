@@ -17,7 +17,7 @@ layout(constant_id = 1) const uint kMode = 0;
 layout(binding = 8, r32ui) writeonly uniform uimage2D outIds;
 layout(push_constant, scalar) uniform Push { ExpandParams params; };
 
-const float kReach = 1.5;  // samples: slivers are often seen a little further on
+const float kReach = 2.5;  // samples: slivers are often seen a little further on
 
 /// The depth of a triangle at a point, 0 where the point is outside it.
 float depthAt(uint id, vec2 ndc) {

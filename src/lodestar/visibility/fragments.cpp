@@ -1,14 +1,16 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <lodestar/visibility/fragments.hpp>
 
-#include <lodestar/visibility/fragments_params.h>
 #include <lodestar/scene/scene_bindings.hpp>
 
 namespace lodestar::visibility {
 namespace {
 
-constexpr std::uint32_t kCode[] =
+constexpr std::uint32_t kFragmentsCode[] =
 #include <lodestar/visibility/fragments.comp.inc>
+    ;
+constexpr std::uint32_t kMergeCode[] =
+#include <lodestar/visibility/merge.comp.inc>
     ;
 constexpr std::uint32_t kResolveCode[] =
 #include <lodestar/visibility/resolve.comp.inc>
@@ -16,8 +18,6 @@ constexpr std::uint32_t kResolveCode[] =
 
 using gpu::Slot;
 using gpu::Stage;
-
-constexpr std::uint32_t kGroup = 64;
 
 gpu::Image image(const gpu::Device& device, vk::Extent2D extent, vk::Format format,
                  const char* name) {
@@ -34,80 +34,54 @@ vk::Extent2D moreRows(std::uint32_t fragments) {
     return {shared::LS_FRAGMENT_ROW, std::max(gpu::groups(fragments, shared::LS_FRAGMENT_ROW), 1u)};
 }
 
-gpu::Kernel makeKernel(const gpu::Device& device, std::uint32_t side, bool write) {
-    return {device,
-            write ? "fragments: write" : "fragments: count",
-            kCode,
-            scene::withSceneSlots({Slot::texelBuffer, Slot::texelBuffer, Slot::storageBuffer,
-                                   Slot::storageImage, Slot::storageImage, Slot::storageImage,
-                                   Slot::storageImage, Slot::storageBuffer, Slot::storageBuffer}),
-            sizeof(shared::FragmentsParams),
-            {side, write}};
+shared::FragmentsParams paramsOf(const FragmentSet& set) {
+    return {.base = {set.base.width, set.base.height}, .capacity = set.capacity};
 }
 
 }  // namespace
 
-FragmentSet::FragmentSet(const gpu::Device& device, const CompactRecord& record, std::uint32_t room)
+FragmentSet::FragmentSet(const gpu::Device& device, vk::Extent2D b, std::uint32_t room)
     : capacity(room),
-      base(record.base),
+      base(b),
       ids(image(device, base, vk::Format::eR32Uint, "fragments: ids")),
       points(image(device, base, vk::Format::eR32G32Sfloat, "fragments: points")),
       moreIds(image(device, moreRows(room), vk::Format::eR32Uint, "fragments: more ids")),
       morePoints(
           image(device, moreRows(room), vk::Format::eR32G32Sfloat, "fragments: more points")),
-      offsets(device, "fragments: offsets",
-              4ull * gpu::PrefixSum::bufferLength(base.width * base.height + 1)),
-      weights(device, "fragments: weights", 4ull * room),
-      merges(device, "fragments: merges", record.lists.buffer().bytes()),
-      total(device, "fragments: total", 4, gpu::Residence::mapped) {}
+      counts(device, "fragments: counts", sizeof(shared::FragmentCounts), gpu::Residence::mapped),
+      mixed(device, "fragments: mixed pixels", 4ull * base.width * base.height),
+      further(device, "fragments: further pixels", sizeof(shared::FurtherPixel) * room),
+      weights(device, "fragments: weights", 4ull * room) {}
 
 vk::Extent2D FragmentSet::moreExtent() const {
-    return moreRows(std::min(needed(), capacity));
+    return moreRows(std::min(found().further, capacity));
 }
 
 Fragments::Fragments(const gpu::Device& device, std::uint32_t s)
     : side(s),
-      count(makeKernel(device, s, false)),
-      write(makeKernel(device, s, true)),
-      prefixSum(device) {}
+      sampler(device.vk(), vk::SamplerCreateInfo{}),
+      find(device, "fragments", kFragmentsCode,
+           {Slot::texelBuffer, Slot::texelBuffer, Slot::storageImage, Slot::storageImage,
+            Slot::storageBuffer, Slot::storageBuffer},
+           sizeof(shared::FragmentsParams), {side}),
+      merge(device, "merge", kMergeCode,
+            scene::withSceneSlots({Slot::texelBuffer, Slot::texelBuffer, Slot::uniformBuffer,
+                                   Slot::sampledImage, Slot::sampledImage, Slot::sampledImage,
+                                   Slot::sampledImage, Slot::storageBuffer, Slot::storageBuffer,
+                                   Slot::storageImage, Slot::storageImage, Slot::storageImage,
+                                   Slot::storageBuffer, Slot::storageBuffer}),
+            sizeof(shared::FragmentsParams), {side}),
+      resolve(device, "resolve", kResolveCode,
+              {Slot::sampledImage, Slot::storageBuffer, Slot::storageBuffer, Slot::storageBuffer,
+               Slot::storageImage},
+              sizeof(shared::FragmentsParams), {side * side}) {}
 
-void Fragments::dispatch(gpu::Recorder& rec, const gpu::Kernel& kernel,
-                         const scene::GpuScene& scene, const CompactRecord& from,
-                         const glm::mat4& clipFromWorld, glm::vec3 eye, FragmentSet& set) const {
+void Fragments::record(gpu::Recorder& rec, const CompactRecord& from,
+                       const FragmentSet& set) const {
     if (from.side != side) throw std::invalid_argument("Fragments: record of another rate");
-    if (set.ids.extent() != from.base)
-        throw std::invalid_argument("Fragments: set of another grid");
-    if (set.merges.bytes() < from.lists.buffer().bytes())
-        throw std::invalid_argument("Fragments: set for a record with shorter lists");
-    const std::uint32_t groupCount = gpu::groups(from.base.width * from.base.height + 1, kGroup);
-    const std::uint32_t lines = gpu::groups(groupCount, 32768);
-    rec.dispatch(kernel, {gpu::groups(groupCount, lines), lines, 1},
-                 scene::withScene(scene, {from.heads, from.lists, set.offsets, set.ids, set.points,
-                                          set.moreIds, set.morePoints, set.weights, set.merges}),
-                 shared::FragmentsParams{.clipFromWorld = clipFromWorld,
-                                         .eye = eye,
-                                         .base = {from.base.width, from.base.height},
-                                         .capacity = set.capacity});
-}
-
-void Fragments::recordCount(gpu::Recorder& rec, const scene::GpuScene& scene,
-                            const CompactRecord& from, const glm::mat4& clipFromWorld,
-                            glm::vec3 eye, FragmentSet& set) const {
+    if (set.base != from.base) throw std::invalid_argument("Fragments: set of another grid");
     const auto pass = rec.pass("fragments");
-    dispatch(rec, count, scene, from, clipFromWorld, eye, set);
-    rec.barrier(Stage::compute, Stage::compute);
-    const std::uint32_t pixels = from.base.width * from.base.height;
-    prefixSum.record(rec, set.offsets, pixels + 1);
-    rec.barrier(Stage::compute, Stage::transfer);
-    rec.vk().copyBuffer(set.offsets.vk(), set.total.vk(),
-                        vk::BufferCopy{.srcOffset = 4ull * pixels, .size = 4});
-    rec.barrier(Stage::transfer, Stage::host);
-}
-
-void Fragments::recordWrite(gpu::Recorder& rec, const scene::GpuScene& scene,
-                            const CompactRecord& from, const glm::mat4& clipFromWorld,
-                            glm::vec3 eye, FragmentSet& set) const {
-    const auto pass = rec.pass("fragments");
+    rec.fill(set.counts, 0);
     // What the last row holds beyond the fragments is shaded too: nothing must be there.
     rec.vk().clearColorImage(
         set.moreIds.view().image, vk::ImageLayout::eGeneral,
@@ -115,21 +89,48 @@ void Fragments::recordWrite(gpu::Recorder& rec, const scene::GpuScene& scene,
         vk::ImageSubresourceRange{
             .aspectMask = vk::ImageAspectFlagBits::eColor, .levelCount = 1, .layerCount = 1});
     rec.barrier(Stage::transfer, Stage::compute);
-    dispatch(rec, write, scene, from, clipFromWorld, eye, set);
+    rec.dispatch(find, gpu::groups8x8(from.base),
+                 {from.heads, from.lists, set.ids, set.points, set.counts, set.mixed},
+                 paramsOf(set));
 }
 
-Resolve::Resolve(const gpu::Device& device, std::uint32_t side)
-    : sampler(device.vk(), vk::SamplerCreateInfo{}),
-      kernel(device, "resolve", kResolveCode,
-             {Slot::sampledImage, Slot::sampledImage, Slot::storageBuffer, Slot::storageBuffer,
-              Slot::storageImage},
-             0, {side * side}) {}
+void Fragments::recordMerge(gpu::Recorder& rec, const scene::GpuScene& scene,
+                            const CompactRecord& from, const MainInputs& main,
+                            const FragmentSet& set, const gpu::Image& out) const {
+    const auto pass = rec.pass("merge");
+    const vk::ImageSubresourceLayers layers{.aspectMask = vk::ImageAspectFlagBits::eColor,
+                                            .layerCount = 1};
+    rec.barrier(Stage::compute, Stage::transfer);
+    rec.vk().copyImage(main.radiance.image, vk::ImageLayout::eGeneral, out.view().image,
+                       vk::ImageLayout::eGeneral,
+                       vk::ImageCopy{.srcSubresource = layers,
+                                     .dstSubresource = layers,
+                                     .extent = {set.base.width, set.base.height, 1}});
+    rec.barrier(Stage::transfer, Stage::compute);
+    rec.dispatch(merge, {shared::LS_MERGE_GROUPS, 1, 1},
+                 scene::withScene(scene, {from.heads,
+                                          from.lists,
+                                          main.view,
+                                          {set.ids, sampler},
+                                          {main.depth, sampler},
+                                          {main.normal, sampler},
+                                          {main.radiance, sampler},
+                                          set.counts,
+                                          set.mixed,
+                                          out,
+                                          set.moreIds,
+                                          set.morePoints,
+                                          set.weights,
+                                          set.further}),
+                 paramsOf(set));
+    rec.barrier(Stage::compute, Stage::host);
+}
 
-void Resolve::record(gpu::Recorder& rec, const FragmentSet& set, gpu::View main, gpu::View more,
-                     gpu::View out) const {
+void Fragments::recordResolve(gpu::Recorder& rec, gpu::View radiance, const FragmentSet& set,
+                              const gpu::Image& out) const {
     const auto pass = rec.pass("resolve");
-    rec.dispatch(kernel, gpu::groups8x8(main.extent),
-                 {{main, sampler}, {more, sampler}, set.offsets, set.weights, out});
+    rec.dispatch(resolve, {std::max(gpu::groups(set.found().pixels, 64), 1u), 1, 1},
+                 {{radiance, sampler}, set.counts, set.weights, set.further, out}, paramsOf(set));
 }
 
 }  // namespace lodestar::visibility
