@@ -410,7 +410,7 @@ TEST_F(FrameTest, severalSamplesAPixelAreCapturedAndBlendedInOneGo) {
     Stage stage(device(), *scene::buildBuiltin("spheres"), settings);
     const Camera camera = cameraOf(stage.source, 1);
     const auto inOne = stage.render(camera);
-    EXPECT_EQ(stage.frame.ids().extent(), settings.size);
+    EXPECT_EQ(stage.frame.ids().extent, settings.size);
     CaptureFrame capture(
         device(), stage.onGpu,
         {.base = settings.size, .side = 4, .backend = CaptureBackend::supersample});

@@ -72,7 +72,7 @@ Result<void> measureScene(const BenchCase& what, const BenchOptions& options, Be
         const scene::Camera view = scene::orbited(camera, camera.at, angle);
         guided.render(view, {});
         fullNow = readDisplay(device, guided);
-        depthNow = gpu::as<float>(gpu::readImage(device, guided.surface().depth));
+        depthNow = gpu::as<float>(gpu::readImage(device, guided.depth()));
         for (std::size_t w = 0; w < kWays.size(); ++w) {
             frame::Frame& frame = w == 0 ? plain : guided;
             frame.render(view, kWays[w].levers);

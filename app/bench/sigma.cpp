@@ -86,7 +86,7 @@ Result<BenchResult> run(const BenchOptions& options) {
         const gpu::FrameTimes whole = frame.render(camera, {});
         if (full.rgb.empty()) {
             full = readDisplay(device, frame);
-            const auto depth = gpu::as<float>(gpu::readImage(device, frame.surface().depth));
+            const auto depth = gpu::as<float>(gpu::readImage(device, frame.depth()));
             edges = depthEdgeMask(depth, options.view.size.width, options.view.size.height);
             describeDevice(session, result.report);
             result.report.settings = settingsJson(options.settings);
