@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 
 #include <fmt/format.h>
 #include <glm/gtc/constants.hpp>
@@ -165,12 +166,17 @@ void addRepairOption(CLI::App& app, float& share) {
 }
 
 void addLocalRateOption(CLI::App& app, float& spread) {
+    // A flag of a number would count how often it is given.
+    const auto text = std::make_shared<std::string>();
     app.add_flag(
-           "--local-rate{" + fmt::format("{}", kLocalRate) + "}", spread,
+           "--local-rate{" + fmt::format("{}", kLocalRate) + "}", *text,
            "evaluate only every second texel of the coarse grid where the terms of neighbours "
            "lie no further apart than this")
         ->type_name("[=SPREAD]")
         ->check(CLI::Range(0.0, 1.0))
+        ->each([&spread, text](const std::string& given) {
+            if (const auto number = parseNumber(given)) spread = static_cast<float>(*number);
+        })
         ->group(kGroup);
 }
 

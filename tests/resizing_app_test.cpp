@@ -12,6 +12,7 @@
 #include "app/bench/bench.hpp"
 #include "app/bench/motion.hpp"
 #include "app/bench/paper_scenes.hpp"
+#include "app/frame_options.hpp"
 #include "app/image_io.hpp"
 #include "app/tune.hpp"
 #include "gpu_device.hpp"
@@ -84,6 +85,27 @@ TEST(Calibrate, badUseIsRefusedWithOneLine) {
         run(folder, "render builtin:columns --settings nothing.json" + out);
     EXPECT_EQ(status, 1);
     EXPECT_NE(error.find("nothing.json: cannot be read"), std::string::npos) << error;
+}
+
+TEST(LeverOptions, allOfThemReachTheFrameInAnyOrder) {
+    const TempFolder folder;
+    const std::string report = (folder / "r.json").string();
+    const std::string command = "render builtin:spheres --size 48x32 --out " +
+                                (folder / "p.png").string() + " --json " + report;
+    const auto settingsOf = [&](const std::string& options) {
+        const auto [status, error] = run(folder, command + options);
+        EXPECT_EQ(status, 0) << error;
+        return Json::parse(contents(report)).at("settings");
+    };
+    const Json a = settingsOf(" --local-rate --shading-rate shadow=4,ao=2 --repair 0.05");
+    EXPECT_NEAR(a.at("local_rate").get<double>(), kLocalRate, 1e-6);
+    EXPECT_NEAR(a.at("repair").get<double>(), 0.05, 1e-6);
+    EXPECT_EQ(a.at("rates").at("ao"), 2);
+    const Json b = settingsOf(" --shading-rate 2 --local-rate=0.1");
+    EXPECT_NEAR(b.at("local_rate").get<double>(), 0.1, 1e-6);
+    const Json c = settingsOf(" --scale 0.5 --full-resize --shading-rate 2");
+    EXPECT_EQ(c.at("render_scale"), 0.5);
+    EXPECT_EQ(c.at("full_resize"), true);
 }
 
 TEST(SettingsFile, thatIsWrongIsRefusedAndSaysWhere) {
