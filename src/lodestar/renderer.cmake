@@ -37,6 +37,8 @@ add_library(lodestar STATIC
     scale/temporal.cpp
     frame/capture_frame.cpp
     frame/frame.cpp
+    frame/frame_samples.cpp
+    frame/frame_setup.cpp
     frame/light_maps.cpp
     frame/motion_tracker.cpp
 )

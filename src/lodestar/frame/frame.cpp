@@ -3,14 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include <glm/gtc/packing.hpp>
 
 #include <lodestar/shading/coarse_params.h>
-#include <lodestar/shading/light_params.h>
 #include <lodestar/upsample/refine_params.h>
 #include <lodestar/upsample/upsample_params.h>
-#include <lodestar/visibility/view_params.h>
+#include <lodestar/frame/targets.hpp>
 #include <lodestar/gpu/readback.hpp>
 #include <lodestar/post/exposure.hpp>
 
@@ -18,45 +18,6 @@ namespace lodestar::frame {
 namespace {
 
 using gpu::Stage;
-using Usage = vk::ImageUsageFlagBits;
-
-gpu::Image target(const gpu::Device& device, vk::Extent2D extent, vk::Format format,
-                  const char* name, vk::ImageUsageFlags extra = {}) {
-    return {device,
-            {.name = name,
-             .format = format,
-             .extent = extent,
-             .usage = Usage::eSampled | Usage::eTransferSrc | extra}};
-}
-
-gpu::Image makeSkyImage(const gpu::Device& device, const shading::Sky& sky) {
-    constexpr auto kSize = static_cast<std::uint32_t>(shading::SkyMap::kSize);
-    gpu::Image image(device, {.name = "sky",
-                              .format = vk::Format::eR16G16B16A16Sfloat,
-                              .extent = {kSize, kSize},
-                              .usage = Usage::eSampled | Usage::eTransferDst,
-                              .levels = shading::SkyMap::kLevels});
-    const shading::SkyMap map = shading::makeSkyMap(sky);
-    for (std::uint32_t level = 0; level < map.levels.size(); ++level) {
-        std::vector<std::uint64_t> halves;
-        for (const glm::vec4& texel : map.levels[level]) halves.push_back(glm::packHalf4x16(texel));
-        gpu::uploadImage(device, image, level, std::as_bytes(std::span(halves)));
-    }
-    return image;
-}
-
-/// The sun: the scene's first directional light, or that of the settings.
-const scene::Light* sunOf(const scene::Scene& scene) {
-    for (const scene::Light& light : scene.lights)
-        if (light.kind == scene::LightKind::directional) return &light;
-    return nullptr;
-}
-
-glm::vec3 sunDirection(const scene::GpuScene& scene, const FrameSettings& settings) {
-    if (const scene::Light* light = sunOf(scene.scene()))
-        return glm::normalize(glm::vec3(scene.nodeTransforms()[light->node][2]));
-    return glm::normalize(settings.toSun);
-}
 
 /// Terms that share a grid S.
 struct RateGroup {
@@ -83,145 +44,7 @@ std::vector<RateGroup> rateGroups(const budget::Levers& levers, float supersampl
     return groups;
 }
 
-constexpr float kLeastScale = 0.5f, kMostScale = 2;
-
-/// `size` at a render scale, at least a pixel and at most what a target can be.
-vk::Extent2D scaled(vk::Extent2D size, float scale) {
-    const auto along = [&](std::uint32_t n) {
-        return std::clamp(static_cast<std::uint32_t>(std::lround(static_cast<float>(n) * scale)),
-                          1u, 16384u);
-    };
-    return {along(size.width), along(size.height)};
-}
-
-float luminance(glm::vec3 color) {
-    return glm::dot(color, glm::vec3(0.2126f, 0.7152f, 0.0722f));
-}
-
-/// Light maps outlive the view they were first drawn for, so their levels of detail go by their own
-/// texels: off by no more than half of one, which is within the bias that hides a map's own steps.
-geometry::LodChoice lightLods(const geometry::LodChoice& eye) {
-    using Mode = geometry::LodChoice::Mode;
-    return {.mode = eye.mode == Mode::off ? Mode::off : Mode::error, .errorPx = 0.5f};
-}
-
-const FrameSettings& checked(const FrameSettings& s) {
-    if (s.size.width < 1 || s.size.height < 1 || s.size.width > 16384 || s.size.height > 16384)
-        throw std::invalid_argument("FrameSettings::size must be 1 … 16384 pixels a side");
-    if (!(s.maxScale >= kLeastScale && s.maxScale <= kMostScale))
-        throw std::invalid_argument("FrameSettings::maxScale must be 0.5 … 2");
-    if (s.shadowTaps > 64) throw std::invalid_argument("FrameSettings::shadowTaps must be ≤ 64");
-    if (s.shadowMapSize < 16 || s.shadowMapSize > 16384)
-        throw std::invalid_argument("FrameSettings::shadowMapSize must be 16 … 16384");
-    if (s.noiseOctaves > 12)
-        throw std::invalid_argument("FrameSettings::noiseOctaves must be ≤ 12");
-    if (s.noiseWarps > 8) throw std::invalid_argument("FrameSettings::noiseWarps must be ≤ 8");
-    if (!(s.noiseScale >= 0)) throw std::invalid_argument("FrameSettings::noiseScale must be ≥ 0");
-    if (!(s.exposure >= 0) || std::isinf(s.exposure))
-        throw std::invalid_argument("FrameSettings::exposure must be ≥ 0");
-    if (s.skyViews > shared::LS_MAX_SKY_VIEWS)
-        throw std::invalid_argument("FrameSettings::skyViews must be ≤ 16");
-    if (s.captureSide != 1 && s.captureSide != 2 && s.captureSide != 4 && s.captureSide != 8)
-        throw std::invalid_argument("FrameSettings::captureSide must be 1, 2, 4 or 8");
-    if (std::max(s.size.width, s.size.height) > 16384 / s.captureSide)
-        throw std::invalid_argument("FrameSettings::size must be ≤ 16384 / captureSide");
-    if (s.captureSide > 1 && s.showLods)
-        throw std::invalid_argument("FrameSettings::showLods needs captureSide 1");
-    if (s.skyTaps < 1 || s.skyTaps > 32)
-        throw std::invalid_argument("FrameSettings::skyTaps must be 1 … 32");
-    if (s.skyMapSize < 16 || s.skyMapSize > 4096)
-        throw std::invalid_argument("FrameSettings::skyMapSize must be 16 … 4096");
-    if (s.supersample < 1 || s.supersample > 4 ||
-        std::max(s.size.width, s.size.height) * s.supersample > 16384)
-        throw std::invalid_argument(
-            "FrameSettings::supersample must be 1 … 4, and O ≤ 16384 a side");
-    if (s.supersample > 1 && s.showLods)
-        throw std::invalid_argument("FrameSettings::showLods: not with supersample");
-    if (s.captureSide > 1 && (s.supersample > 1 || s.maxScale > 1 || s.motion ||
-                              s.temporal.mode != scale::TemporalMode::off))
-        throw std::invalid_argument(
-            "FrameSettings::captureSide: not with supersample, maxScale, motion or temporal");
-    if (s.supersample > 1 && s.temporal.mode != scale::TemporalMode::off)
-        throw std::invalid_argument("FrameSettings::temporal: not with supersample");
-    return s;
-}
-
-FrameSettings supersampled(FrameSettings s) {
-    s.size.width *= s.supersample;
-    s.size.height *= s.supersample;
-    return s;
-}
-
 }  // namespace
-
-Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const FrameSettings& s)
-    : Frame(owner, gpuScene, supersampled(checked(s)), s.size) {
-    if (s.supersample > 1)
-        reduction.emplace(
-            Reduction{post::Reduce(owner), target(owner, s.size, vk::Format::eR16G16B16A16Sfloat,
-                                                  "reduced radiance", Usage::eStorage)});
-}
-
-Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const FrameSettings& s,
-             vk::Extent2D shown)
-    : device(&owner),
-      scene(&gpuScene),
-      options(s),
-      room(scaled(s.size, std::max(s.maxScale, 1.0f))),
-      live(s.size),
-      sky(sunDirection(gpuScene, s)),
-      irradiance(sky.irradiance()),
-      aspect(s.aspect > 0 ? s.aspect
-                          : static_cast<float>(s.size.width) / static_cast<float>(s.size.height)),
-      cull(owner),
-      showLods(owner),
-      capture(owner, gpuScene.features()),
-      rebuildPass(owner, gpuScene.features()),
-      coarse(owner),
-      upsample(owner, s.reconstruct),
-      refine(owner),
-      repairSelect(owner),
-      combine(owner, gpuScene.features()),
-      tonemap(owner),
-      spatial(owner),
-      eyeList(owner, gpuScene, "eye"),
-      hiz(owner, s.size, "hi-z"),
-      lightMaps(owner, gpuScene, sky,
-                {.sunTexels = s.shadowMapSize,
-                 .skyTexels = s.skyMapSize,
-                 .skyViews = s.skyViews,
-                 .shadows = s.shadowTaps > 0,
-                 .shadowDistance = s.shadowDistance,
-                 .lod = lightLods(s.lod)}),
-      repairList(owner, room),
-      refineList(owner, room),
-      viewBuffer(owner, "view", sizeof(shared::ViewParams), gpu::Residence::mapped),
-      lightBuffer(owner, "light", sizeof(shared::LightParams), gpu::Residence::mapped),
-      idImage(target(owner, room, vk::Format::eR32Uint, "ids",
-                     Usage::eColorAttachment | Usage::eStorage)),
-      depthBuffer(target(owner, room, vk::Format::eD32Sfloat, "depth buffer",
-                         Usage::eDepthStencilAttachment)),
-      skyImage(makeSkyImage(owner, sky)),
-      coarseImage(target(owner, room, vk::Format::eR32G32B32A32Uint, "coarse", Usage::eStorage)),
-      termImage(target(owner, room, vk::Format::eR16G16B16A16Sfloat, "terms", Usage::eStorage)),
-      radianceImage(target(owner, room, vk::Format::eR16G16B16A16Sfloat, "radiance",
-                           Usage::eStorage | Usage::eTransferDst)),
-      shownImage(target(owner, room, vk::Format::eR8G8B8A8Unorm, "shown", Usage::eStorage)),
-      displayImage(target(owner, shown, vk::Format::eR8G8B8A8Unorm, "display", Usage::eStorage)),
-      surfaces(owner, room),
-      rec(owner) {
-    const bool joins = s.temporal.mode != scale::TemporalMode::off;
-    if (s.motion || joins) tracker.emplace(owner, gpuScene, room);
-    if (joins) temporal.emplace(owner, room, s.size, s.temporal);
-    // A sun of the file has the colour it says. Its strength sets what a lux is: the sky is as
-    // bright beside it as beside the real sun, lamps and emissive surfaces as the file has them.
-    sunIlluminance = sky.sunIlluminance();
-    if (const scene::Light* light = sunOf(gpuScene.scene())) {
-        const float lux = luminance(light->color) * light->intensity;
-        perLux = lux > 0 ? shading::Sky::kSunIlluminance / lux : 1;
-        sunIlluminance = light->color * (light->intensity * perLux);
-    }
-}
 
 gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers& levers) {
     if (options.captureSide > 1) return renderSamples(camera);
@@ -251,23 +74,6 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
         showLods.record(rec, *scene, ids(), displayImage);
     }
     return rec.submit();
-}
-
-/// Captured, compacted and rebuilt in one go.
-gpu::FrameTimes Frame::renderSamples(const scene::Camera& camera) {
-    if (!samples) {
-        CaptureSettings settings{
-            .base = options.size, .side = options.captureSide, .backend = options.capture};
-        if (options.capture == CaptureBackend::automatic)
-            settings.backend = chooseBackend(*device, *scene, settings, camera);
-        samples.emplace(*device, *scene, settings);
-    }
-    const gpu::FrameTimes captured = samples->capture(camera).times;
-    gpu::FrameTimes times = rebuildAntialiased(samples->compact(), camera);
-    times.gpuMs += captured.gpuMs;
-    times.wallMs += captured.wallMs;
-    times.passes.insert(times.passes.begin(), captured.passes.begin(), captured.passes.end());
-    return times;
 }
 
 gpu::FrameTimes Frame::renderOutside(const scene::Camera& outside) {
@@ -367,20 +173,6 @@ void Frame::show() {
                      displayImage);
 }
 
-Frame::Whole Frame::makeWhole() const {
-    const auto image = [&](vk::Format format, const char* name) {
-        return target(*device, room, format, name, Usage::eStorage);
-    };
-    return {.sampleGrid = visibility::SampleGrid(*device),
-            .guides = {*device, scene::SceneFeatures{}, true},
-            .pack = upsample::PackCoarse(*device, options.packing),
-            .ids = image(vk::Format::eR32Uint, "grid S: ids"),
-            .points = image(vk::Format::eR32G32Sfloat, "grid S: points"),
-            .terms = image(vk::Format::eR16G16B16A16Sfloat, "grid S: terms"),
-            .radiance = image(vk::Format::eR16G16B16A16Sfloat, "grid S: radiance"),
-            .surfaces = {*device, room}};
-}
-
 /// Everything on grid S, reconstructed as one colour: what the paper calls full resizing.
 void Frame::shadeOnGridS(float rate) {
     if (!whole) whole.emplace(makeWhole());
@@ -428,84 +220,6 @@ glm::mat4 Frame::clipFromWorld(const scene::Camera& camera) const {
         clip[i].y += jitter.y * clip[i].w;
     }
     return clip;
-}
-
-Frame::Smooth Frame::makeSmooth(std::uint32_t side, std::uint32_t capacity) const {
-    visibility::FragmentSet set(*device, options.size, capacity);
-    const vk::Extent2D more = set.moreIds.extent();
-    const auto radiance = [&](vk::Extent2D extent, const char* name) {
-        return target(*device, extent, vk::Format::eR16G16B16A16Sfloat, name, Usage::eStorage);
-    };
-    return {.side = side,
-            .fragments = {*device, side},
-            .set = std::move(set),
-            .surfaces = {*device, more},
-            .terms = radiance(more, "fragments: terms"),
-            .radiance = radiance(more, "fragments: radiance"),
-            .mainRadiance = radiance(options.size, "fragments: main radiance")};
-}
-
-gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
-                                          const scene::Camera& camera) {
-    if (from.base != options.size)
-        throw std::invalid_argument("Frame::rebuildAntialiased: the record has another size");
-    if (options.exposure == 0) {
-        options.exposure = 1;
-        rebuildAntialiased(from, camera);
-        meter();
-    }
-    if (!smooth || smooth->side != from.side)
-        smooth.emplace(makeSmooth(from.side, options.size.width * options.size.height / 16 + 1));
-    listHolds = refines = false;
-    const visibility::Fragments& fragments = smooth->fragments;
-    const visibility::FragmentSet& set = smooth->set;
-    const gpu::Image& mainRadiance = smooth->mainRadiance;
-    const auto shadeAt = [&](const gpu::View& ids, const gpu::View& points,
-                             const visibility::Surface& surface, const gpu::View& terms,
-                             const gpu::View& radiance) {
-        rebuildPass.record(rec, *scene, {ids, viewBuffer, points, options.size}, surface);
-        coarse.recordFull(
-            rec, *scene,
-            {ids, lightMaps.sunMap(), lightMaps.skyMaps(), viewBuffer, lightBuffer, points},
-            shared::LS_ALL_TERMS, terms);
-        rec.barrier(Stage::compute, Stage::compute);
-        combine.record(rec,
-                       {viewBuffer, lightBuffer, surface.depth, surface.material, surface.emissive,
-                        terms, skyImage, scene->lights, points},
-                       radiance);
-        rec.barrier(Stage::compute, Stage::compute);
-    };
-    // A fragment a pixel, and from them most of what else the pixels list.
-    begin(camera, 1, scale::TemporalMode::off);
-    fragments.record(rec, from, set);
-    rec.barrier(Stage::compute, Stage::compute);
-    shadeAt(set.ids, set.points, surfaces, termImage, mainRadiance);
-    fragments.recordMerge(rec, *scene, from,
-                          {viewBuffer, surfaces.depth, surfaces.normal, mainRadiance}, set,
-                          radianceImage);
-    const gpu::FrameTimes first = rec.submit();
-    if (set.overflowed()) {
-        // Rare enough to begin again, in a set that has room.
-        const std::uint32_t needed = set.found().further;
-        smooth.emplace(makeSmooth(from.side, needed + needed / 4));
-        return rebuildAntialiased(from, camera);
-    }
-
-    // The few that are left.
-    const auto more = [&](const gpu::Image& image) { return part(image, set.moreExtent()); };
-    rec.begin();
-    if (set.found().further > 0) {
-        shadeAt(more(set.moreIds), more(set.morePoints), smooth->surfaces, more(smooth->terms),
-                more(smooth->radiance));
-        fragments.recordResolve(rec, more(smooth->radiance), set, radianceImage);
-        rec.barrier(Stage::compute, Stage::compute);
-    }
-    show();
-    gpu::FrameTimes times = rec.submit();
-    times.gpuMs += first.gpuMs;
-    times.wallMs += first.wallMs;
-    times.passes.insert(times.passes.begin(), first.passes.begin(), first.passes.end());
-    return times;
 }
 
 /// Culls and captures; what is hidden, in two phases: first what the last picture does not hide,
@@ -611,36 +325,6 @@ void Frame::meter() {
     for (const auto bits : gpu::as<std::uint64_t>(gpu::readImage(*device, radiance())))
         texels.push_back(glm::unpackHalf4x16(bits));
     options.exposure = post::meteredExposure(texels);
-}
-
-void Frame::writeUniforms(const scene::Camera& camera) {
-    const glm::mat4 clipFromView = camera.clipFromView(aspect);
-    *viewBuffer.mapped<shared::ViewParams>() = {
-        .clipFromWorld = clipFromWorld(camera),
-        .viewFromWorld = camera.viewFromWorld(),
-        .eye = camera.eye,
-        .clipScale = {clipFromView[0][0], clipFromView[1][1]},
-        .jitter = jitter};
-
-    const float cell =
-        options.noiseScale > 0 ? options.noiseScale : std::max(scene->bounds().radius() / 8, 1e-6f);
-    shared::LightParams light{.toSun = sky.toSun(),
-                              .sunIlluminance = sunIlluminance,
-                              .shadowTaps = options.shadowTaps,
-                              .skyViewCount = options.skyViews,
-                              .skyTaps = options.skyTaps,
-                              .noiseOctaves = options.noiseOctaves,
-                              .noiseWarps = options.noiseWarps,
-                              .noiseFrequency = 1 / cell,
-                              .lightCount = scene->lightCount(),
-                              .skyLevels = shading::SkyMap::kLevels,
-                              .exposure = options.exposure,
-                              .perLux = perLux};
-    std::copy(irradiance.begin(), irradiance.end(), light.irradiance);
-    light.views[0] = lightMaps.sun().params();
-    std::transform(lightMaps.sky().begin(), lightMaps.sky().end(), light.views + 1,
-                   [](const shading::LightView& view) { return view.params(); });
-    *lightBuffer.mapped<shared::LightParams>() = light;
 }
 
 }  // namespace lodestar::frame
