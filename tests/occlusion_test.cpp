@@ -154,5 +154,37 @@ TEST_F(OcclusionTest, aWallHidesWhatIsBehindItFromTheSecondFrameOn) {
     EXPECT_EQ(covered(), 0u);
 }
 
+TEST_F(OcclusionTest, theFrameAfterACutHidesByTheWholePictureBefore) {
+    // A wall, a screen behind it, balls behind that. From before the wall nothing else is seen;
+    // from behind it everything is drawn by the second phase, the screen too.
+    small_scenes::SceneBuilder builder("wall and screen");
+    const std::uint32_t material = builder.add(scene::Material{});
+    const std::uint32_t wall =
+        builder.add("wall", small_scenes::parts::box({-20, -20, -0.5}, {20, 20, 0}, 1), material);
+    const std::uint32_t screen =
+        builder.add("screen", small_scenes::parts::box({-4, -4, -0.5}, {4, 4, 0}, 1), material);
+    builder.place(wall, {0, 0, 12});
+    builder.place(screen, {0, 0, 0});
+    const std::uint32_t ball = builder.add(
+        "ball", small_scenes::parts::patch(small_scenes::parts::sphere(0.5), 24, 12, {1, 1}),
+        material);
+    for (int i = 0; i < 50; ++i) builder.place(ball, {0.1f * float(i) - 2.5f, 0, -3.0f - float(i)});
+    const Scene source = std::move(builder).finish();
+    const scene::GpuScene onGpu(device(), source);
+    Frame frame(device(), onGpu, settingsOf(CullMode::hiz, {}));
+    const auto hidden = [&](const Camera& camera) {
+        frame.render(camera, {});
+        const auto counts = gpu::as<shared::CullCounts>(
+            gpu::readBuffer(device(), frame.drawList().counts, sizeof(shared::CullCounts)))[0];
+        return counts.instancesHidden - counts.instancesFound;
+    };
+    const Camera outside{.eye = {0, 0, 20}, .at = {0, 0, 0}};
+    const Camera behind{.eye = {0, 0, 8}, .at = {0, 0, 0}};
+    hidden(outside);
+    EXPECT_EQ(hidden(outside), 51u);
+    EXPECT_EQ(hidden(behind), 0u);
+    EXPECT_EQ(hidden(behind), 50u);
+}
+
 }  // namespace
 }  // namespace lodestar::frame
