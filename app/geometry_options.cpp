@@ -27,6 +27,13 @@ Result<std::vector<float>> parseDistances(const std::string& text) {
     return distances;
 }
 
+Result<float> parseEdge(const std::string& text) {
+    const Result<double> pixels = parseNumber(text);
+    if (!pixels || !(*pixels == 0 || (*pixels >= 1 && *pixels <= 1e4)))
+        return fail("'" + text + "' is no length of edges: give pixels, 1 to 10000, or 0");
+    return static_cast<float>(*pixels);
+}
+
 }  // namespace
 
 Result<geometry::LodChoice> parseLod(const std::string& text) {
@@ -87,6 +94,13 @@ void addGeometryOptions(CLI::App& app, frame::FrameSettings& settings) {
               "distance:D1,D2,...: level 1 from D1 on, and so forth")
         ->type_name("off|error:PX|distance:D,...")
         ->default_str(nameOf(settings.lod))
+        ->group(kGroup);
+    settings.edgePx = 8;
+    addParsed(app, "--tessellate", settings.edgePx, parseEdge,
+              "divide the triangles of displaced surfaces (builtin:mountains) until their edges "
+              "are at most PX pixels long; 0: leave them as they are")
+        ->type_name("PX")
+        ->default_str("8")
         ->group(kGroup);
     app.add_flag("--show-lods", settings.showLods,
                  "colour the picture by level of detail: red, green, blue, then yellow to white")

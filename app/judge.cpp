@@ -59,7 +59,8 @@ Json countsOf(const Session& session, const frame::Frame& frame) {
 
     // Triangles by level: each id's cluster says its level.
     std::vector<std::uint64_t> perLod(scene.lodCount());
-    std::uint64_t listed = 0;  // triangles of the visible meshlets, before each is tested
+    std::uint64_t refined = 0;  // finer than their meshes
+    std::uint64_t listed = 0;   // triangles of the visible meshlets, before each is tested
     if (visible > 0) {
         const auto clusters = gpu::as<shared::GpuCluster>(
             gpu::readBuffer(device, scene.clusters.buffer(),
@@ -68,7 +69,11 @@ Json countsOf(const Session& session, const frame::Frame& frame) {
             listed += clusters[c].triangleCount;
         for (const auto id :
              gpu::as<std::uint32_t>(gpu::readBuffer(device, list.ids.buffer(), 4ull * triangles)))
-            ++perLod[clusters[id >> shared::LS_TRIANGLE_BITS].lod];
+            if (const std::uint32_t lod = clusters[id >> shared::LS_TRIANGLE_BITS].lod;
+                lod == shared::LS_LOD_REFINED)
+                ++refined;
+            else
+                ++perLod[lod];
     }
     return {{"instances_total", scene.instanceCount()},
             {"instances_visible", counts.instances + counts.instancesFound},
@@ -83,6 +88,8 @@ Json countsOf(const Session& session, const frame::Frame& frame) {
             {"repaired_pixels", frame.repairedPixels()},
             {"refined_texels", frame.refinedTexels()},
             {"triangles_per_lod", perLod},
+            {"triangles_refined", refined},
+            {"refinement_dropped", frame.refinementDropped()},
             {"dropped", dropped}};  // over the capacity of the lists: missing in the picture
 }
 

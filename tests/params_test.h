@@ -4,6 +4,7 @@
 #define LS_PARAMS_TEST_H
 #include "lodestar/geometry/cull_params.h"
 #include "lodestar/geometry/show_lods_params.h"
+#include "lodestar/geometry/tessellate_params.h"
 #include "lodestar/gpu/prefix_sum_params.h"
 #include "lodestar/post/reduce_params.h"
 #include "lodestar/post/tonemap_params.h"
@@ -34,6 +35,11 @@ struct AllParams {
     GpuMeshlet meshlet;
     GpuCluster cluster;
     GpuInstance instance;
+    GpuDisplaced displaced;
+    GpuDisplacedPair displacedPair;
+    GpuRefined refined;
+    TessellateParams tessellate;
+    TessellateHeader tessellateHeader;
     GpuMaterial material;
     GpuTextureTransform textureTransform;
     GpuLight punctual;
@@ -113,7 +119,17 @@ LS_NAMESPACE_END
     VISIT(p.cluster.lod) VISIT(p.cluster.bin) VISIT(p.cluster.unused) \
     VISIT(p.instance.row0) VISIT(p.instance.row1) VISIT(p.instance.row2) \
     VISIT(p.instance.maxScale) VISIT(p.instance.flags) VISIT(p.instance.mesh) \
-    VISIT(p.instance.unused) \
+    VISIT(p.instance.displaced) \
+    VISIT(p.displaced.amplitude) VISIT(p.displaced.wavelength) VISIT(p.displaced.octaves) \
+    VISIT(p.displaced.edge) VISIT(p.displaced.firstPair) VISIT(p.displaced.firstMeshlet) \
+    VISIT(p.displaced.meshletCount) VISIT(p.displaced.instance) \
+    VISIT(p.displacedPair.displaced) VISIT(p.displacedPair.meshlet) \
+    VISIT(p.refined.firstMeshlet) VISIT(p.refined.meshletCount) \
+    LS_VISIT_5(VISIT, p.tessellate.planes) VISIT(p.tessellate.eye) VISIT(p.tessellate.reach) \
+    VISIT(p.tessellate.pairs) VISIT(p.tessellate.instances) VISIT(p.tessellate.capacity) \
+    VISIT(p.tessellate.total) VISIT(p.tessellate.firstVertex) VISIT(p.tessellate.firstTriangle) \
+    VISIT(p.tessellate.firstMeshlet) VISIT(p.tessellate.secondUvs) \
+    LS_VISIT_3(VISIT, p.tessellateHeader.groups) VISIT(p.tessellateHeader.dropped) \
     VISIT(p.material.baseColor) VISIT(p.material.emissive) VISIT(p.material.flags) \
     VISIT(p.material.metallic) VISIT(p.material.roughness) VISIT(p.material.normalScale) \
     VISIT(p.material.occlusionStrength) VISIT(p.material.baseColorTexture) \
@@ -135,7 +151,7 @@ LS_NAMESPACE_END
     VISIT(p.cull.lodScale) VISIT(p.cull.distances0) VISIT(p.cull.distances1) \
     VISIT(p.cull.size) VISIT(p.cull.lodMode) VISIT(p.cull.lodParallel) VISIT(p.cull.useCones) \
     VISIT(p.cull.chunkCount) VISIT(p.cull.hizValid) VISIT(p.cull.hizLevels) \
-    VISIT(p.cull.hizSize) VISIT(p.cull.listAll) \
+    VISIT(p.cull.hizSize) VISIT(p.cull.listAll) VISIT(p.cull.reliefReach) \
     LS_VISIT_4(VISIT, p.cull.hizOffsets, 0) LS_VISIT_4(VISIT, p.cull.hizOffsets, 4) \
     LS_VISIT_4(VISIT, p.cull.hizOffsets, 8) LS_VISIT_4(VISIT, p.cull.hizOffsets, 12) \
     LS_VISIT_LIST(VISIT, p.cullList) \

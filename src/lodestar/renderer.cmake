@@ -16,6 +16,7 @@ add_library(lodestar STATIC
     geometry/cull.cpp
     geometry/hiz.cpp
     geometry/show_lods.cpp
+    geometry/tessellate.cpp
     visibility/capture_compute.cpp
     visibility/capture_ms.cpp
     visibility/capture_ss.cpp
@@ -59,6 +60,9 @@ lodestar_shaders(lodestar
     geometry/hiz.comp
     geometry/list_chunks.comp
     geometry/scan_blocks.comp
+    geometry/tessellate_list.comp
+    geometry/tessellate_refine.comp
+    geometry/tessellate_select.comp
     geometry/scan_totals.comp
     geometry/show_lods.comp
     visibility/capture_args.comp

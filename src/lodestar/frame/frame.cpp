@@ -65,7 +65,8 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
                  .eye = camera.eye,
                  .size = live,
                  .cull = options.cull,
-                 .lod = options.lod});
+                 .lod = options.lod,
+                 .edgePx = options.edgePx});
 
     if (tracker) tracker->record(rec, *scene, ids(), viewBuffer, steadyClipFromWorld(camera));
     shade(levers);
@@ -234,6 +235,7 @@ void Frame::findVisible(const geometry::CullView& view) {
         capture.record(rec, *scene, eyeList, view.clipFromWorld, target, name, phase);
         rec.barrier(Stage::raster, Stage::compute);
     };
+    tessellate.record(rec, *scene, view);
     if (view.cull != geometry::CullMode::hiz) {
         cull.record(rec, *scene, view, eyeList);
         draw("capture", Phase::both);
@@ -302,6 +304,10 @@ void Frame::evaluateOnGridS(const shading::Coarse::Inputs& inputs, shading::Coar
 void Frame::setShadowTaps(std::uint32_t taps) {
     if (taps < 1 || taps > 64) throw std::invalid_argument("Frame::setShadowTaps: 1 … 64");
     if (options.shadowTaps > 0) options.shadowTaps = taps;
+}
+
+std::uint32_t Frame::refinementDropped() const {
+    return options.edgePx > 0 && !samples ? tessellate.dropped() : 0;
 }
 
 std::uint32_t Frame::refinedTexels() const {

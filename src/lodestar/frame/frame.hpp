@@ -10,6 +10,7 @@
 #include <lodestar/frame/motion_tracker.hpp>
 #include <lodestar/geometry/cull.hpp>
 #include <lodestar/geometry/show_lods.hpp>
+#include <lodestar/geometry/tessellate.hpp>
 #include <lodestar/post/reduce.hpp>
 #include <lodestar/post/tonemap.hpp>
 #include <lodestar/scale/spatial.hpp>
@@ -60,6 +61,7 @@ struct FrameSettings {
     upsample::Packing packing = upsample::Packing::full;
     geometry::CullMode cull = geometry::CullMode::frustum;
     geometry::LodChoice lod;
+    float edgePx = 0;       ///< see geometry::CullView
     bool showLods = false;  ///< colour the picture by level of detail
     /// s, 1, 2, 4 or 8: above 1 render() captures s² samples a pixel and blends what they show, the
     /// finest level of detail at full shading rate.
@@ -112,6 +114,9 @@ public:
     /// Texels of grid S that a local rate had evaluated beside every second one, in the last
     /// frame's last such grid. Waits for the device.
     std::uint32_t refinedTexels() const;
+    /// Triangles of displaced meshes that the last frame had no place to refine. Waits for the
+    /// device.
+    std::uint32_t refinementDropped() const;
     /// N of the sun's filter from the next frame on, where there is a shadow: a change of load.
     /// Throws std::invalid_argument outside 1 … 64.
     void setShadowTaps(std::uint32_t taps);
@@ -184,6 +189,7 @@ private:
     float perLux = 1;  ///< units of the sky's light in a lux, candela, nit of the scene
     float aspect;
 
+    geometry::Tessellate tessellate;
     geometry::Cull cull;
     geometry::ShowLods showLods;
     visibility::CaptureSs capture;

@@ -127,6 +127,7 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       irradiance(sky.irradiance()),
       aspect(s.aspect > 0 ? s.aspect
                           : static_cast<float>(s.size.width) / static_cast<float>(s.size.height)),
+      tessellate(owner, gpuScene),
       cull(owner),
       showLods(owner),
       capture(owner, gpuScene.features()),

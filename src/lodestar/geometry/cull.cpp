@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 
+#include <lodestar/geometry/frustum.hpp>
 #include <lodestar/scene/scene_bindings.hpp>
 
 namespace lodestar::geometry {
@@ -50,10 +51,6 @@ struct TotalledPhase {
     std::uint32_t totals;
 };
 
-glm::vec4 normalised(glm::vec4 plane) {
-    return plane / glm::length(glm::vec3(plane));
-}
-
 /// Words of a buffer of values to scan: the values, then the totals of their blocks.
 std::uint64_t scanBytes(std::uint64_t values) {
     return 4 * (values + values / shared::LS_BLOCK + 1);
@@ -68,12 +65,9 @@ void setLods(const CullView& view, shared::CullParams& params) {
     params.lodMode = static_cast<std::uint32_t>(lod.mode);
     params.lodEye = view.eye;
     params.lodParallel = !view.perspective;
-    // How many pixels a unit of length is at distance 1 (or anywhere, in a parallel view).
-    const glm::mat4 rows = glm::transpose(view.clipFromWorld);
-    const float perUnit = std::max(glm::length(glm::vec3(rows[0])) * float(view.size.width),
-                                   glm::length(glm::vec3(rows[1])) * float(view.size.height)) /
-                          2;
+    const float perUnit = pixelsPerUnit(view.clipFromWorld, view.size);
     params.lodScale = perUnit / lod.errorPx;
+    params.reliefReach = view.edgePx > 0 ? perUnit / view.edgePx : 0;
     float begins[8];
     std::fill(std::begin(begins), std::end(begins), std::numeric_limits<float>::infinity());
     std::copy(lod.distances.begin(), lod.distances.end(), begins);
@@ -89,13 +83,8 @@ shared::CullParams paramsOf(const CullView& view, const scene::GpuScene& scene, 
         .size = {static_cast<float>(view.size.width), static_cast<float>(view.size.height)},
         .useCones = view.perspective,
         .chunkCount = scene.chunkCount()};
-    // Gribb & Hartmann 2001: the planes of a projection are sums of its rows.
-    const glm::mat4 rows = glm::transpose(view.clipFromWorld);
-    params.planes[0] = normalised(rows[3] + rows[0]);
-    params.planes[1] = normalised(rows[3] - rows[0]);
-    params.planes[2] = normalised(rows[3] + rows[1]);
-    params.planes[3] = normalised(rows[3] - rows[1]);
-    params.planes[4] = view.keepBeforeNear ? glm::vec4(0, 0, 0, 1) : normalised(rows[3] - rows[2]);
+    const auto planes = frustumPlanes(view.clipFromWorld, view.keepBeforeNear);
+    std::copy(planes.begin(), planes.end(), params.planes);
     setLods(view, params);
     if (hiz != nullptr) {
         params.hizFromWorld0 = hiz->clipFromWorld();
@@ -160,19 +149,20 @@ Cull::Cull(const gpu::Device& device)
       cullInstances(
           device, "cull instances", kInstancesCode,
           scene::withSceneSlots(
-              slots({{Slot::uniformBuffer, 1}, {Slot::texelBuffer, 5}, {Slot::storageBuffer, 4}})),
+              slots({{Slot::uniformBuffer, 1}, {Slot::texelBuffer, 7}, {Slot::storageBuffer, 4}})),
           sizeof(shared::PhaseParams)),
       cullClusters(
           device, "cull clusters", kClustersCode,
           scene::withSceneSlots(
-              slots({{Slot::uniformBuffer, 1}, {Slot::texelBuffer, 5}, {Slot::storageBuffer, 5}})),
+              slots({{Slot::uniformBuffer, 1}, {Slot::texelBuffer, 6}, {Slot::storageBuffer, 5}})),
           sizeof(TotalledPhase)),
       compact(device, "compact clusters", kCompactCode,
               scene::withSceneSlots(slots({{Slot::texelBuffer, 1}, {Slot::storageBuffer, 6}})),
               sizeof(TotalledPhase)),
       cullTriangles(
           device, "cull triangles", kTrianglesCode,
-          scene::withSceneSlots(slots({{Slot::uniformBuffer, 1}, {Slot::storageBuffer, 3}})),
+          scene::withSceneSlots(
+              slots({{Slot::uniformBuffer, 1}, {Slot::texelBuffer, 2}, {Slot::storageBuffer, 3}})),
           sizeof(shared::PhaseParams)),
       emit(device, "emit", kEmitCode, slots({{Slot::texelBuffer, 1}, {Slot::storageBuffer, 5}}),
            sizeof(TotalledPhase)),
@@ -235,6 +225,8 @@ void Cull::start(gpu::Recorder& rec, const scene::GpuScene& scene, const CullVie
         throw std::invalid_argument("CullView::size is 0");
     shared::CullParams params = paramsOf(view, scene, hiz);
     params.listAll = list.part == scene::TablePart::whole;
+    if (params.reliefReach > 0 && (params.listAll || !view.perspective))
+        throw std::invalid_argument("CullView::edgePx is for a perspective view of the eye");
     if (params.listAll && (view.lod.mode != LodChoice::Mode::off || hiz != nullptr))
         throw std::invalid_argument(
             "Cull: a list of the whole table has no levels of detail and no Hi-Z");
@@ -283,11 +275,12 @@ void Cull::listClusters(gpu::Recorder& rec, const scene::GpuScene& scene, DrawLi
     const gpu::TexelBuffer& offsets = second ? list.secondOffsets : list.firstOffsets;
     const shared::PhaseParams phase{.phase = number, .table = list.table};
 
-    rec.dispatchIndirect(cullInstances, list.counts, at(shared::LS_LIST_INSTANCES, kGroups),
-                         scene::withScene(scene, {list.params, scene.chunks, scene.drawOrder,
-                                                  scene.meshes, scene.lods, pyramid, list.chunks,
-                                                  list.counts, offsets.buffer(), list.states}),
-                         phase);
+    rec.dispatchIndirect(
+        cullInstances, list.counts, at(shared::LS_LIST_INSTANCES, kGroups),
+        scene::withScene(scene, {list.params, scene.chunks, scene.drawOrder, scene.meshes,
+                                 scene.lods, pyramid, scene.relief.displaced, scene.relief.refined,
+                                 list.chunks, list.counts, offsets.buffer(), list.states}),
+        phase);
     scan(rec, offsets.buffer(), list,
          {.source = shared::LS_LIST_INSTANCES,
           .result = candidates,
@@ -298,9 +291,9 @@ void Cull::listClusters(gpu::Recorder& rec, const scene::GpuScene& scene, DrawLi
 
     rec.dispatchIndirect(
         cullClusters, list.counts, at(candidates, kGroups),
-        scene::withScene(
-            scene, {list.params, scene.lods, scene.meshes, pyramid, offsets, list.firstOffsets,
-                    list.counts, list.states, list.candidates, list.candidateOffsets, list.hidden}),
+        scene::withScene(scene, {list.params, scene.lods, scene.meshes, pyramid, offsets,
+                                 list.firstOffsets, scene.relief.refined, list.counts, list.states,
+                                 list.candidates, list.candidateOffsets, list.hidden}),
         TotalledPhase{phase, list.instancePlaces});
     scan(rec, list.candidateOffsets, list,
          {.source = candidates,
@@ -327,7 +320,8 @@ void Cull::listTriangles(gpu::Recorder& rec, const scene::GpuScene& scene, DrawL
     const shared::PhaseParams phase{.phase = number, .table = list.table};
     rec.dispatchIndirect(
         cullTriangles, list.counts, at(clusters, kSlots),
-        scene::withScene(scene, {list.params, list.counts, list.masks, list.triangleOffsets}),
+        scene::withScene(scene, {list.params, scene.relief.displaced, scene.relief.masks,
+                                 list.counts, list.masks, list.triangleOffsets}),
         phase);
     scan(rec, list.triangleOffsets, list,
          {.source = clusters,

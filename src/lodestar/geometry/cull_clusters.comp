@@ -13,11 +13,12 @@ layout(binding = 8) uniform usamplerBuffer meshes;
 layout(binding = 9) uniform samplerBuffer pyramid;
 layout(binding = 10) uniform usamplerBuffer offsets;       // of this phase, a slot
 layout(binding = 11) uniform usamplerBuffer firstOffsets;  // of the first phase
-layout(binding = 12, scalar) buffer Counts { CullCounts counts; };
-layout(binding = 13, scalar) buffer States { uint states[]; };
-layout(binding = 14, scalar) writeonly buffer Candidates { uvec2 candidates[]; };
-layout(binding = 15, scalar) writeonly buffer Flags { uint flags[]; };
-layout(binding = 16, scalar) buffer Hidden { uint hidden[]; };  // of the first phase
+layout(binding = 12) uniform usamplerBuffer refined;
+layout(binding = 13, scalar) buffer Counts { CullCounts counts; };
+layout(binding = 14, scalar) buffer States { uint states[]; };
+layout(binding = 15, scalar) writeonly buffer Candidates { uvec2 candidates[]; };
+layout(binding = 16, scalar) writeonly buffer Flags { uint flags[]; };
+layout(binding = 17, scalar) buffer Hidden { uint hidden[]; };  // of the first phase
 layout(push_constant, scalar) uniform Push {
     PhaseParams push;
     uint totals;  // where the totals of the blocks of `offsets` stand
@@ -59,7 +60,9 @@ void main() {
     const GpuInstance instance = loadInstance(instanceIndex);
     const uint lod = (state >> LS_STATE_LOD_SHIFT) & 15u;
     const uint firstLod = texelFetch(meshes, int(2 * instance.mesh + 1)).x;
-    const uint meshletIndex = texelFetch(lods, int(firstLod + lod)).x + own;
+    const uvec2 level = texelFetch(lods, int(firstLod + lod)).xy;
+    const uint beyond = texelFetch(refined, int(instance.displaced)).x + own - level.y;
+    const uint meshletIndex = own < level.y ? level.x + own : beyond;
 
     const GpuMeshlet meshlet = loadMeshlet(meshletIndex);
     const vec3 centre = transformPoint(instance, meshlet.centre);

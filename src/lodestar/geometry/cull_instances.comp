@@ -14,10 +14,12 @@ layout(binding = 8) uniform usamplerBuffer drawOrder;
 layout(binding = 9) uniform usamplerBuffer meshes;
 layout(binding = 10) uniform usamplerBuffer lods;
 layout(binding = 11) uniform samplerBuffer pyramid;
-layout(binding = 12, scalar) readonly buffer Visible { uint visibleChunks[]; };
-layout(binding = 13, scalar) buffer Counts { CullCounts counts; };
-layout(binding = 14, scalar) writeonly buffer Clusters { uint clusterCounts[]; };
-layout(binding = 15, scalar) buffer States { uint states[]; };
+layout(binding = 12) uniform usamplerBuffer displaced;
+layout(binding = 13) uniform usamplerBuffer refined;
+layout(binding = 14, scalar) readonly buffer Visible { uint visibleChunks[]; };
+layout(binding = 15, scalar) buffer Counts { CullCounts counts; };
+layout(binding = 16, scalar) writeonly buffer Clusters { uint clusterCounts[]; };
+layout(binding = 17, scalar) buffer States { uint states[]; };
 layout(push_constant, scalar) uniform Push { PhaseParams push; };
 
 #define LS_WITH_HIZ
@@ -42,9 +44,19 @@ uint pickLod(uint firstLod, uint lodCount, float scale, vec3 centre, float radiu
     return lod;
 }
 
-uint meshletsOf(uint mesh, uint lod) {
-    const uint firstLod = texelFetch(meshes, int(2 * mesh + 1)).x;
-    return texelFetch(lods, int(firstLod + lod)).y;
+/// Those of the level, and those the instance is refined to.
+uint meshletsOf(GpuInstance instance, uint lod) {
+    const uint firstLod = texelFetch(meshes, int(2 * instance.mesh + 1)).x;
+    const uint more =
+        params.reliefReach > 0 ? texelFetch(refined, int(instance.displaced)).y : 0;
+    return texelFetch(lods, int(firstLod + lod)).y + more;
+}
+
+/// Whether a part of it may be refined: only the finest level is, and its neighbours count on it.
+bool isRefined(GpuInstance instance, vec3 centre, float radius) {
+    const float edge = uintBitsToFloat(texelFetch(displaced, int(2 * instance.displaced)).w);
+    return distance(centre, params.lodEye) - radius <
+           edge * instance.maxScale * params.reliefReach * 1.01;
 }
 
 void main() {
@@ -63,7 +75,7 @@ void main() {
             const float radius = sphere.w * instance.maxScale;
             if (!hiddenBehind(params.hizFromWorld1, centre, radius)) {
                 const uint lod = (state >> LS_STATE_LOD_SHIFT) & 15u;
-                clusters = meshletsOf(instance.mesh, lod);
+                clusters = meshletsOf(instance, lod);
                 if ((state & LS_STATE_HIDDEN) != 0) atomicAdd(counts.instancesFound, 1);
             }
         }
@@ -81,7 +93,9 @@ void main() {
         const float radius = sphere.w * instance.maxScale;
         if (params.mode == LS_CULL_NONE || params.listAll != 0 || inFrustum(centre, radius)) {
             const uvec4 levels = texelFetch(meshes, int(2 * instance.mesh + 1));
-            const uint lod = pickLod(levels.x, levels.y, instance.maxScale, centre, radius);
+            const uint lod = isRefined(instance, centre, radius)
+                                 ? 0
+                                 : pickLod(levels.x, levels.y, instance.maxScale, centre, radius);
             state = index | lod << LS_STATE_LOD_SHIFT;
             if (params.mode == LS_CULL_HIZ && params.hizValid != 0 &&
                 hiddenBehind(params.hizFromWorld0, centre, radius)) {
@@ -89,7 +103,7 @@ void main() {
                 atomicAdd(counts.instancesHidden, 1);
             } else {
                 state |= LS_STATE_DRAWN;
-                clusters = texelFetch(lods, int(levels.x + lod)).y;
+                clusters = meshletsOf(instance, lod);
                 atomicAdd(counts.instances, 1);
             }
         }

@@ -41,6 +41,8 @@ struct CullParams {
     uint hizLevels;
     vec2 hizSize;                    // pixels of the picture the pyramid is of
     uint listAll;                    // every meshlet has its place in the list, in view or not
+    float reliefReach;               // displaced edges are halved within their length times this;
+                                     // 0: what Tessellate left is not of this view
     uint hizOffsets[LS_HIZ_LEVELS];  // where each level begins; LS_HIZ_FIRST is the first there is
 };
 
@@ -113,7 +115,7 @@ const uint LS_CANDIDATE_VISIBLE = 1u << 31;  // beside a meshlet's number
 
 LS_NAMESPACE_END
 #ifdef __cplusplus
-static_assert(sizeof(lodestar::shared::CullParams) == 444);
+static_assert(sizeof(lodestar::shared::CullParams) == 448);
 static_assert(sizeof(lodestar::shared::CullList) == 48);
 static_assert(sizeof(lodestar::shared::CullCounts) == 400);
 #endif

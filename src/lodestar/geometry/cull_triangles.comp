@@ -9,9 +9,11 @@
 layout(local_size_x = LS_CULL_GROUP) in;
 
 layout(binding = 6, scalar) uniform Params { CullParams params; };
-layout(binding = 7, scalar) readonly buffer Counts { CullCounts counts; };
-layout(binding = 8, scalar) buffer Masks { uint masks[]; };  // four words a cluster
-layout(binding = 9, scalar) buffer Triangles { uint triangleCounts[]; };
+layout(binding = 7) uniform usamplerBuffer displaced;
+layout(binding = 8) uniform usamplerBuffer refinedMasks;
+layout(binding = 9, scalar) readonly buffer Counts { CullCounts counts; };
+layout(binding = 10, scalar) buffer Masks { uint masks[]; };  // four words a cluster
+layout(binding = 11, scalar) buffer Triangles { uint triangleCounts[]; };
 layout(push_constant, scalar) uniform Push { PhaseParams push; };
 
 // Rasterisers snap vertices to a grid of at least 1/16 pixel (commonly 1/256); what is decided here
@@ -39,6 +41,14 @@ bool canCoverAPixel(vec4 a, vec4 b, vec4 c, bool doubleSided) {
     return doubleSided || area < kSnap * (reach + kSnap);
 }
 
+/// Whether a refined meshlet stands for a triangle.
+bool isReplaced(GpuCluster cluster, GpuInstance instance, uint triangle) {
+    if (instance.displaced == 0 || cluster.lod != 0 || params.reliefReach == 0) return false;
+    const uvec4 span = texelFetch(displaced, int(2 * instance.displaced + 1));
+    const uvec4 mask = texelFetch(refinedMasks, int(span.x + cluster.meshlet - span.y));
+    return (mask[triangle / 32] & (1u << (triangle & 31))) != 0;
+}
+
 void main() {
     const uint slot = linearThread(gl_WorkGroupID, gl_NumWorkGroups, LS_CULL_GROUP,
                                    gl_LocalInvocationID.x);
@@ -51,9 +61,9 @@ void main() {
     // A loop of one round: a CPU driver runs both sides of a branch, but leaves a loop that no lane
     // is in. Half of the slots are empty.
     for (uint i = t; i < cluster.triangleCount; i += LS_CLUSTER_SLOTS) {
+        const GpuInstance instance = loadInstance(cluster.instance);
         bool drawn = params.mode == LS_CULL_NONE;
         if (!drawn) {
-            const GpuInstance instance = loadInstance(cluster.instance);
             const bool reflected = (instance.flags & LS_INSTANCE_REFLECTED) != 0;
             const GpuTriangle triangle = loadStoredTriangle(cluster.triangles + i);
             const vec4 a = params.clipFromWorld *
@@ -64,7 +74,7 @@ void main() {
                            vec4(transformPoint(instance, loadVertex(triangle.c).position), 1);
             drawn = canCoverAPixel(a, reflected ? c : b, reflected ? b : c, doubleSided);
         }
-        if (drawn) {
+        if (drawn && !isReplaced(cluster, instance, i)) {
             atomicOr(masks[4 * which + i / 32], 1u << (i & 31));
             atomicAdd(triangleCounts[which], 1);
         }

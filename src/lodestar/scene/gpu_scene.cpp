@@ -6,6 +6,7 @@
 
 #include <lodestar/shared/octahedral.h>
 #include <lodestar/gpu/readback.hpp>
+#include <lodestar/scene/displaced_meshes.hpp>
 #include <lodestar/scene/meshlets.hpp>
 #include <lodestar/scene/texture_arrays.hpp>
 
@@ -43,9 +44,11 @@ struct GpuScene::Packed {
     std::array<std::uint32_t, kDrawBins + 1> bins{};
     std::uint64_t clustersDrawn = 0, trianglesDrawn = 0;
     std::size_t lodsMost = 1;
+    DisplacedMeshes displaced;
 
     void add(const Mesh&, const Material&, const MeshLods&);
     void arrange(const Scene&);
+    void makePlaces();
 };
 
 namespace {
@@ -170,6 +173,7 @@ void GpuScene::Packed::add(const Mesh& mesh, const Material& material, const Mes
     const glm::vec3 centre = empty ? glm::vec3(0) : mesh.bounds.centre();
     for (const std::uint32_t index : mesh.indices)
         radius = std::max(radius, glm::distance(centre, mesh.vertices[index].position));
+    if (mesh.displacement) radius += mesh.displacement->amplitude;
     meshes.push_back({.centre = centre,
                       .radius = radius * (1 + 1e-6f) + 1e-7f * glm::length(centre),
                       .firstLod = number(lods.size()),
@@ -265,6 +269,33 @@ void GpuScene::Packed::arrange(const Scene& scene) {
     }
 }
 
+/// Room for what displaced meshes are refined to, after everything that stays.
+void GpuScene::Packed::makePlaces() {
+    const std::size_t places = displaced.places;
+    vertices.resize(vertices.size() + places * shared::LS_TESS_VERTICES);
+    attributes.resize(vertices.size());
+    secondUvs.resize(vertices.size());
+    triangles.resize(triangles.size() + places * shared::LS_TESS_TRIANGLES);
+    meshlets.resize(meshlets.size() + places);
+}
+
+Relief makeRelief(const gpu::Device& device, const DisplacedMeshes& of, std::size_t vertices,
+                  std::size_t triangles, std::size_t meshlets) {
+    const auto places = static_cast<std::uint32_t>(of.places);
+    constexpr auto kPair = vk::Format::eR32G32Uint;
+    return {
+        .displaced = gpu::makeTexelBuffer(device, "displaced instances", of.records, kWords),
+        .pairs = gpu::makeTexelBuffer(device, "displaced meshlets", of.pairs, kPair),
+        .refined = {device, "refined", sizeof(shared::GpuRefined) * of.records.size(), kPair},
+        .masks = {device, "refined triangles", 16 * of.pairs.size(), kWords},
+        .instances = static_cast<std::uint32_t>(of.records.size()),
+        .pairCount = static_cast<std::uint32_t>(of.pairs.size()),
+        .firstVertex = static_cast<std::uint32_t>(vertices) - places * shared::LS_TESS_VERTICES,
+        .firstTriangle = static_cast<std::uint32_t>(triangles) - places * shared::LS_TESS_TRIANGLES,
+        .firstMeshlet = static_cast<std::uint32_t>(meshlets) - places,
+        .capacity = places};
+}
+
 GpuScene::GpuScene(const gpu::Device& device, const Scene& scene,
                    const std::function<void(const char*, int, int)>& progress,
                    const LodSettings& settings)
@@ -283,6 +314,8 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene,
           for (std::size_t i = 0; i < scene.meshes.size(); ++i)
               packed.add(scene.meshes[i], scene.materials[scene.meshes[i].material], chains[i]);
           packed.arrange(scene);
+          packed.displaced = findDisplaced(scene, packed.meshes, packed.lods);
+          packed.makePlaces();
 
           say("textures", 0, scene.textures.size());
           packed.textures = buildTextureArrays(scene);
@@ -306,7 +339,10 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene, Packed&& packe
       lods(gpu::makeTexelBuffer(device, "levels of detail", packed.lods, kWords)),
       chunks(device, "chunks", packed.chunkSpans.size() * sizeof(GpuChunk), kWords),
       drawOrder(gpu::makeTexelBuffer(device, "draw order", packed.order, vk::Format::eR32Uint)),
-      clusters(device, "visible clusters", 3 * sizeof(GpuCluster) * packed.clusters.size(), kWords),
+      clusters(device, "visible clusters",
+               3 * sizeof(GpuCluster) * (packed.clusters.size() + packed.displaced.places), kWords),
+      relief(makeRelief(device, packed.displaced, packed.vertices.size(), packed.triangles.size(),
+                        packed.meshlets.size())),
       secondUvs(
           gpu::makeTexelBuffer(device, "second uvs", packed.secondUvs, vk::Format::eR32G32Sfloat)),
       lights(device, "lights", scene.lights.size() * sizeof(GpuLight)),
@@ -314,6 +350,7 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene, Packed&& packe
       sceneFeatures(packed.features),
       bins(packed.bins),
       order(std::move(packed.order)),
+      displacedOf(std::move(packed.displaced.ofInstance)),
       wholeBins(packed.wholeBins),
       chunkSpans(std::move(packed.chunkSpans)),
       clustersDrawn(packed.clustersDrawn),
@@ -370,7 +407,8 @@ std::vector<GpuInstance> GpuScene::packInstances() const {
              .maxScale = bound,
              .flags = (glm::determinant(linear) < 0 ? shared::LS_INSTANCE_REFLECTED : 0) |
                       (uniform ? shared::LS_INSTANCE_CONE_VALID : 0),
-             .mesh = instance.mesh});
+             .mesh = instance.mesh,
+             .displaced = displacedOf.empty() ? 0 : displacedOf[packed.size()]});
     }
     return packed;
 }
@@ -382,10 +420,9 @@ std::vector<GpuChunk> GpuScene::packChunks() const {
         Bounds box;
         for (std::uint32_t i = span.x; i < span.x + span.y; ++i) {
             const Instance& instance = source->instances[order[i]];
-            const Mesh& mesh = source->meshes[instance.mesh];
-            if (!mesh.bounds.empty())
-                box.add(mesh.bounds.transformed(worldFromNodes[instance.node] *
-                                                instance.nodeFromObject));
+            const Bounds reach = source->meshes[instance.mesh].reach();
+            if (!reach.empty())
+                box.add(reach.transformed(worldFromNodes[instance.node] * instance.nodeFromObject));
         }
         const glm::vec3 centre = box.empty() ? glm::vec3(0) : box.centre();
         packed.push_back({.centre = centre,
@@ -397,7 +434,8 @@ std::vector<GpuChunk> GpuScene::packChunks() const {
 }
 
 std::uint32_t GpuScene::clusterCapacity() const {
-    return static_cast<std::uint32_t>(std::min(clustersDrawn, kMaxVisibleClusters) + 1);
+    return static_cast<std::uint32_t>(std::min(clustersDrawn, kMaxVisibleClusters) + 1) +
+           relief.capacity;
 }
 
 std::uint32_t GpuScene::tableStart(TablePart part) const {
@@ -405,7 +443,8 @@ std::uint32_t GpuScene::tableStart(TablePart part) const {
 }
 
 std::uint32_t GpuScene::triangleCapacity() const {
-    return static_cast<std::uint32_t>(std::min(trianglesDrawn, kMaxVisibleTriangles));
+    return static_cast<std::uint32_t>(std::min(trianglesDrawn, kMaxVisibleTriangles)) +
+           relief.capacity * shared::LS_TESS_TRIANGLES;
 }
 
 std::vector<GpuLight> GpuScene::packLights() const {

@@ -43,6 +43,18 @@ struct SceneFeatures {
 inline constexpr std::uint64_t kMaxVisibleClusters = 1 << 21;
 inline constexpr std::uint64_t kMaxVisibleTriangles = 1 << 25;
 
+/// What geometry::Tessellate makes of displaced meshes, and of what: places after the scene's own
+/// vertices, triangles and meshlets, and the tables by which culling finds them.
+struct Relief {
+    gpu::TexelBuffer displaced;  ///< GpuDisplaced; the first is that of instances that are not
+    gpu::TexelBuffer pairs;      ///< GpuDisplacedPair
+    gpu::TexelBuffer refined;    ///< GpuRefined for each of `displaced`
+    gpu::TexelBuffer masks;      ///< of each pair: its triangles that others stand for, 4 words
+    std::uint32_t instances = 0, pairCount = 0;  ///< pairs with the unused one
+    std::uint32_t firstVertex = 0, firstTriangle = 0, firstMeshlet = 0;
+    std::uint32_t capacity = 0;  ///< triangles that can be refined at a time
+};
+
 /// A scene in GPU memory: vertices, levels of detail, meshlets, instances, materials, texture
 /// arrays.
 class GpuScene {
@@ -91,6 +103,7 @@ public:
     /// eye and of lights are written on the device by geometry::Cull for each view, so whoever
     /// reads ids of one must do so before another view is culled into the same part.
     gpu::TexelBuffer clusters;
+    Relief relief;
     gpu::TexelBuffer secondUvs;  ///< vec2 a vertex; a dummy where no material uses them
     gpu::Buffer lights;
     std::vector<gpu::Image> textureArrays;  ///< at least one, so that bindings are never empty
@@ -109,7 +122,8 @@ private:
     Bounds worldBox;
     SceneFeatures sceneFeatures;
     std::array<std::uint32_t, kDrawBins + 1> bins{};
-    std::vector<std::uint32_t> order;  ///< what drawOrder holds
+    std::vector<std::uint32_t> order;        ///< what drawOrder holds
+    std::vector<std::uint32_t> displacedOf;  ///< GpuInstance::displaced, where any is
     std::array<std::uint32_t, kDrawBins + 1> wholeBins{};
     std::vector<glm::uvec2> chunkSpans;  ///< first and count of each chunk, in `order`
     std::uint64_t clustersDrawn = 0, trianglesDrawn = 0;

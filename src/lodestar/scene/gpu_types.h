@@ -95,8 +95,35 @@ struct GpuInstance {
     float maxScale;         // of the matrix, for bounding spheres
     uint flags;
     uint mesh;
-    uint unused;
+    uint displaced;  // its GpuDisplaced; 0 = none
 };
+
+/// An instance of a displaced mesh. Record 0 is that of all others.
+struct GpuDisplaced {
+    float amplitude;   // object units
+    float wavelength;  // of the first octave, object units
+    uint octaves;
+    float edge;  // length of the mesh's edges, object units
+    uint firstPair;
+    uint firstMeshlet;  // of the mesh's finest level
+    uint meshletCount;
+    uint instance;
+};
+
+/// A meshlet of a displaced instance. Pair 0 is unused.
+struct GpuDisplacedPair {
+    uint displaced;
+    uint meshlet;
+};
+
+/// The refined part of a displaced instance, written on the device (geometry/tessellate.hpp):
+/// meshlets beyond those of its mesh.
+struct GpuRefined {
+    uint firstMeshlet;
+    uint meshletCount;
+};
+
+const uint LS_LOD_REFINED = 15u;  // level of those meshlets: above any of a mesh
 
 const uint LS_WRAP_REPEAT = 0u;
 const uint LS_WRAP_MIRROR = 1u;
@@ -155,6 +182,7 @@ struct GpuMaterialRecord {
 static_assert(sizeof(GpuVertex) == 16 && sizeof(GpuVertexAttributes) == 16);
 static_assert(sizeof(GpuTriangle) == 16 && sizeof(GpuMeshlet) == 48 && sizeof(GpuCluster) == 32);
 static_assert(sizeof(GpuMesh) == 32 && sizeof(GpuLod) == 16 && sizeof(GpuChunk) == 32);
+static_assert(sizeof(GpuDisplaced) == 32 && sizeof(GpuRefined) == 8);
 static_assert(sizeof(GpuInstance) == 64 && sizeof(GpuMaterial) == 80);
 static_assert(sizeof(GpuMaterialRecord) == 16 * LS_MATERIAL_WORDS);
 static_assert(sizeof(GpuLight) == 52);

@@ -90,6 +90,8 @@ Mesh terrainTile(std::uint32_t column, std::uint32_t row) {
         v.tangent = glm::vec4(glm::vec3(glm::normalize(glm::dvec3(n.y, -n.x, 0))), 1);
         v.color = glm::vec4(groundColor(v.position.y, n.y), 1);
     }
+    // Tufts and stones, which the mesh is too coarse for.
+    mesh.displacement = Displacement{.amplitude = 0.28f, .wavelength = 3.1f, .octaves = 3};
     return mesh;
 }
 

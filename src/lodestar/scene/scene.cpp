@@ -24,6 +24,11 @@ Bounds Bounds::transformed(const glm::mat4& transform) const {
     return {middle - reach, middle + reach};
 }
 
+Bounds Mesh::reach() const {
+    if (bounds.empty() || !displacement) return bounds;
+    return {bounds.lower - displacement->amplitude, bounds.upper + displacement->amplitude};
+}
+
 Bounds worldBounds(const Scene& scene, const std::vector<glm::mat4>& worldFromNode) {
     Bounds bounds;
     for (const Instance& instance : scene.instances)

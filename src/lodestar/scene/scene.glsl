@@ -40,7 +40,7 @@ GpuInstance loadInstance(uint index) {
     return GpuInstance(uintBitsToFloat(texelFetch(sceneInstances, at)),
                        uintBitsToFloat(texelFetch(sceneInstances, at + 1)),
                        uintBitsToFloat(texelFetch(sceneInstances, at + 2)),
-                       uintBitsToFloat(last.x), last.y, last.z, 0);
+                       uintBitsToFloat(last.x), last.y, last.z, last.w);
 }
 
 GpuCluster loadCluster(uint index) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,6 +38,14 @@ struct Vertex {
     glm::vec4 color{1};             ///< linear, multiplies the base colour
 };
 
+/// Relief finer than the mesh, for near views: gradient noise along the normals, octave by octave as
+/// the eye draws near (scene/displacement.h).
+struct Displacement {
+    float amplitude = 0;        ///< the most a point moves, outwards or inwards [object units]
+    float wavelength = 1;       ///< of the first octave, twice that of the second [object units]
+    std::uint32_t octaves = 3;  ///< 1 … 3
+};
+
 /// One triangle list with one material (a glTF primitive).
 struct Mesh {
     std::string name;
@@ -45,6 +54,10 @@ struct Mesh {
         indices;                 ///< three a triangle, counter-clockwise seen from the front
     std::uint32_t material = 0;  ///< always valid: the importer adds a default material
     Bounds bounds;               ///< of the vertices in use, object space
+    std::optional<Displacement> displacement;
+
+    /// The box about all that is ever shown of it, object space.
+    Bounds reach() const;
 };
 
 /// 8-bit RGBA, rows from the top.

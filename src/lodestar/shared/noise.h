@@ -46,6 +46,36 @@ LS_FUNCTION float perlin(vec3 p) {
     return mix(mix(edge[0], edge[1], t.y), mix(edge[2], edge[3], t.y), t.z);
 }
 
+/// The gradient vector whose product with an offset noiseSlope() is.
+LS_FUNCTION vec3 noiseGradient(ivec3 corner) {
+    return vec3(noiseSlope(corner, vec3(1, 0, 0)), noiseSlope(corner, vec3(0, 1, 0)),
+                noiseSlope(corner, vec3(0, 0, 1)));
+}
+
+/// perlin() with its derivatives: the gradient in xyz, the value in w.
+LS_FUNCTION vec4 perlinSlope(vec3 p) {
+    const vec3 cell = floor(p);
+    const ivec3 i = ivec3(cell);
+    const vec3 f = p - cell;
+    const vec3 t = f * f * f * (f * (f * 6.0f - 15.0f) + 10.0f);
+    const vec3 dt = f * f * (f * (f - 2.0f) + 1.0f) * 30.0f;
+    float value = 0.0f;
+    vec3 slope = vec3(0.0f);
+    for (int k = 0; k < 8; ++k) {
+        const ivec3 at = ivec3(k & 1, (k >> 1) & 1, k >> 2);
+        const vec3 far = vec3(at);
+        // The corner's weight is a product of t or 1 − t an axis.
+        const vec3 w = mix(vec3(1.0f) - t, t, far);
+        const vec3 dw = dt * (far * 2.0f - vec3(1.0f));
+        const vec3 g = noiseGradient(i + at);
+        const float v = dot(g, f - far);
+        const float weight = w.x * w.y * w.z;
+        value += weight * v;
+        slope += weight * g + v * vec3(dw.x * w.y * w.z, w.x * dw.y * w.z, w.x * w.y * dw.z);
+    }
+    return vec4(slope.x, slope.y, slope.z, value);
+}
+
 /// Octaves of doubled frequency and half the amplitude, scaled to −1 … 1 at most.
 LS_FUNCTION float fractalNoise(vec3 p, int octaves) {
     float sum = 0.0f, amplitude = 1.0f, total = 0.0f;
