@@ -366,7 +366,7 @@ Json settingsJson(const frame::FrameSettings& s) {
             {"height", s.size.height},
             {"cull", nameOf(s.cull)},
             {"lod", nameOf(s.lod)},
-            {"tessellate_px", s.edgePx},
+            {"relief_px", s.wavePx},
             {"supersample", s.supersample},
             {"supersample_filter", s.reduce == post::ReduceFilter::box ? "box" : "mitchell"},
             {"capture_rate", s.captureSide * s.captureSide},

@@ -27,10 +27,10 @@ Result<std::vector<float>> parseDistances(const std::string& text) {
     return distances;
 }
 
-Result<float> parseEdge(const std::string& text) {
+Result<float> parseWave(const std::string& text) {
     const Result<double> pixels = parseNumber(text);
     if (!pixels || !(*pixels == 0 || (*pixels >= 1 && *pixels <= 1e4)))
-        return fail("'" + text + "' is no length of edges: give pixels, 1 to 10000, or 0");
+        return fail("'" + text + "' is no length of waves: give pixels, 1 to 10000, or 0");
     return static_cast<float>(*pixels);
 }
 
@@ -95,12 +95,12 @@ void addGeometryOptions(CLI::App& app, frame::FrameSettings& settings) {
         ->type_name("off|error:PX|distance:D,...")
         ->default_str(nameOf(settings.lod))
         ->group(kGroup);
-    settings.edgePx = 8;
-    addParsed(app, "--tessellate", settings.edgePx, parseEdge,
-              "divide the triangles of displaced surfaces (builtin:mountains) until their edges "
-              "are at most PX pixels long; 0: leave them as they are")
+    settings.wavePx = 16;
+    addParsed(app, "--relief", settings.wavePx, parseWave,
+              "refine displaced surfaces (builtin:mountains) where waves of their relief are at "
+              "least PX pixels long; 0: leave them as they are")
         ->type_name("PX")
-        ->default_str("8")
+        ->default_str("16")
         ->group(kGroup);
     app.add_flag("--show-lods", settings.showLods,
                  "colour the picture by level of detail: red, green, blue, then yellow to white")

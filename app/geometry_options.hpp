@@ -15,7 +15,7 @@ std::string nameOf(geometry::CullMode);
 /// As parseLod reads it.
 std::string nameOf(const geometry::LodChoice&);
 
-/// Adds --cull, --lod, --tessellate and --show-lods under the heading "Geometry". Sets their
+/// Adds --cull, --lod, --relief and --show-lods under the heading "Geometry". Sets their
 /// defaults.
 void addGeometryOptions(CLI::App&, frame::FrameSettings&);
 

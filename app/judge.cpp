@@ -89,7 +89,7 @@ Json countsOf(const Session& session, const frame::Frame& frame) {
             {"refined_texels", frame.refinedTexels()},
             {"triangles_per_lod", perLod},
             {"triangles_refined", refined},
-            {"refinement_dropped", frame.refinementDropped()},
+            {"refinement_coarsened", frame.refinementCoarsened()},
             {"dropped", dropped}};  // over the capacity of the lists: missing in the picture
 }
 

@@ -26,6 +26,23 @@ TEST(Noise, isZeroAtLatticePointsAndBounded) {
     EXPECT_GT(squares / kSamples, 0.03) << "and not flat";
 }
 
+TEST(Noise, slopeIsThatOfTheValue) {
+    std::mt19937 random(4);
+    std::uniform_real_distribution<float> anywhere(-9, 9);
+    for (int i = 0; i < 2000; ++i) {
+        const glm::vec3 p(anywhere(random), anywhere(random), anywhere(random));
+        const glm::vec4 slope = perlinSlope(p);
+        EXPECT_NEAR(slope.w, perlin(p), 1e-6f);
+        constexpr float kStep = 1e-2f;
+        for (int axis = 0; axis < 3; ++axis) {
+            glm::vec3 before = p, after = p;
+            before[axis] -= kStep;
+            after[axis] += kStep;
+            EXPECT_NEAR(slope[axis], (perlin(after) - perlin(before)) / (2 * kStep), 2e-3f);
+        }
+    }
+}
+
 TEST(Noise, isSmoothAcrossCellBorders) {
     constexpr float kStep = 1e-3f;
     for (int axis = 0; axis < 3; ++axis)

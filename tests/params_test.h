@@ -121,15 +121,17 @@ LS_NAMESPACE_END
     VISIT(p.instance.maxScale) VISIT(p.instance.flags) VISIT(p.instance.mesh) \
     VISIT(p.instance.displaced) \
     VISIT(p.displaced.amplitude) VISIT(p.displaced.wavelength) VISIT(p.displaced.octaves) \
-    VISIT(p.displaced.edge) VISIT(p.displaced.firstPair) VISIT(p.displaced.firstMeshlet) \
-    VISIT(p.displaced.meshletCount) VISIT(p.displaced.instance) \
+    VISIT(p.displaced.instance) VISIT(p.displaced.firstPair) \
+    VISIT(p.displaced.firstMeshlet) VISIT(p.displaced.meshletCount) VISIT(p.displaced.unused) \
     VISIT(p.displacedPair.displaced) VISIT(p.displacedPair.meshlet) \
     VISIT(p.refined.firstMeshlet) VISIT(p.refined.meshletCount) \
     LS_VISIT_5(VISIT, p.tessellate.planes) VISIT(p.tessellate.eye) VISIT(p.tessellate.reach) \
     VISIT(p.tessellate.pairs) VISIT(p.tessellate.instances) VISIT(p.tessellate.capacity) \
     VISIT(p.tessellate.total) VISIT(p.tessellate.firstVertex) VISIT(p.tessellate.firstTriangle) \
     VISIT(p.tessellate.firstMeshlet) VISIT(p.tessellate.secondUvs) \
-    LS_VISIT_3(VISIT, p.tessellateHeader.groups) VISIT(p.tessellateHeader.dropped) \
+    LS_VISIT_3(VISIT, p.tessellateHeader.groups) VISIT(p.tessellateHeader.unused) \
+    LS_VISIT_3(VISIT, p.tessellateHeader.within) VISIT(p.tessellateHeader.within[3]) \
+    VISIT(p.tessellateHeader.within[4]) VISIT(p.tessellateHeader.within[5]) \
     VISIT(p.material.baseColor) VISIT(p.material.emissive) VISIT(p.material.flags) \
     VISIT(p.material.metallic) VISIT(p.material.roughness) VISIT(p.material.normalScale) \
     VISIT(p.material.occlusionStrength) VISIT(p.material.baseColorTexture) \

@@ -66,7 +66,7 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
                  .size = live,
                  .cull = options.cull,
                  .lod = options.lod,
-                 .edgePx = options.edgePx});
+                 .wavePx = options.wavePx});
 
     if (tracker) tracker->record(rec, *scene, ids(), viewBuffer, steadyClipFromWorld(camera));
     shade(levers);
@@ -306,8 +306,8 @@ void Frame::setShadowTaps(std::uint32_t taps) {
     if (options.shadowTaps > 0) options.shadowTaps = taps;
 }
 
-std::uint32_t Frame::refinementDropped() const {
-    return options.edgePx > 0 && !samples ? tessellate.dropped() : 0;
+float Frame::refinementCoarsened() const {
+    return options.wavePx > 0 && !samples ? tessellate.coarsenedBy() : 1;
 }
 
 std::uint32_t Frame::refinedTexels() const {

@@ -61,7 +61,7 @@ struct FrameSettings {
     upsample::Packing packing = upsample::Packing::full;
     geometry::CullMode cull = geometry::CullMode::frustum;
     geometry::LodChoice lod;
-    float edgePx = 0;       ///< see geometry::CullView
+    float wavePx = 0;       ///< see geometry::CullView
     bool showLods = false;  ///< colour the picture by level of detail
     /// s, 1, 2, 4 or 8: above 1 render() captures s² samples a pixel and blends what they show, the
     /// finest level of detail at full shading rate.
@@ -114,9 +114,8 @@ public:
     /// Texels of grid S that a local rate had evaluated beside every second one, in the last
     /// frame's last such grid. Waits for the device.
     std::uint32_t refinedTexels() const;
-    /// Triangles of displaced meshes that the last frame had no place to refine. Waits for the
-    /// device.
-    std::uint32_t refinementDropped() const;
+    /// See geometry::Tessellate::coarsenedBy(). Waits for the device.
+    float refinementCoarsened() const;
     /// N of the sun's filter from the next frame on, where there is a shadow: a change of load.
     /// Throws std::invalid_argument outside 1 … 64.
     void setShadowTaps(std::uint32_t taps);

@@ -67,7 +67,7 @@ void setLods(const CullView& view, shared::CullParams& params) {
     params.lodParallel = !view.perspective;
     const float perUnit = pixelsPerUnit(view.clipFromWorld, view.size);
     params.lodScale = perUnit / lod.errorPx;
-    params.reliefReach = view.edgePx > 0 ? perUnit / view.edgePx : 0;
+    params.reliefReach = view.wavePx > 0 ? perUnit / view.wavePx : 0;
     float begins[8];
     std::fill(std::begin(begins), std::end(begins), std::numeric_limits<float>::infinity());
     std::copy(lod.distances.begin(), lod.distances.end(), begins);
@@ -226,7 +226,7 @@ void Cull::start(gpu::Recorder& rec, const scene::GpuScene& scene, const CullVie
     shared::CullParams params = paramsOf(view, scene, hiz);
     params.listAll = list.part == scene::TablePart::whole;
     if (params.reliefReach > 0 && (params.listAll || !view.perspective))
-        throw std::invalid_argument("CullView::edgePx is for a perspective view of the eye");
+        throw std::invalid_argument("CullView::wavePx is for a perspective view of the eye");
     if (params.listAll && (view.lod.mode != LodChoice::Mode::off || hiz != nullptr))
         throw std::invalid_argument(
             "Cull: a list of the whole table has no levels of detail and no Hi-Z");

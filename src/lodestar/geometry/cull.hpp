@@ -31,9 +31,9 @@ struct CullView {
     bool keepBeforeNear = false;  ///< do not cull what lies before the near plane (shadow casters)
     CullMode cull = CullMode::frustum;  ///< hiz: by recordFirst() and recordSecond()
     LodChoice lod;
-    /// Displaced meshes are refined until an edge is at most this many pixels long, or is an eighth
-    /// of what it was: Tessellate::record() for the view comes first. 0: not at all.
-    float edgePx = 0;
+    /// Displaced meshes are refined where a wave of their relief is at least this many pixels long:
+    /// Tessellate::record() for the view comes first. 0: not at all.
+    float wavePx = 0;
 };
 
 /// The triangles of one view, ready to draw: their ids in cluster order, and one

@@ -54,9 +54,9 @@ uint meshletsOf(GpuInstance instance, uint lod) {
 
 /// Whether a part of it may be refined: only the finest level is, and its neighbours count on it.
 bool isRefined(GpuInstance instance, vec3 centre, float radius) {
-    const float edge = uintBitsToFloat(texelFetch(displaced, int(2 * instance.displaced)).w);
+    const float wave = uintBitsToFloat(texelFetch(displaced, int(2 * instance.displaced)).y);
     return distance(centre, params.lodEye) - radius <
-           edge * instance.maxScale * params.reliefReach * 1.01;
+           wave * instance.maxScale * params.reliefReach * 1.01;
 }
 
 void main() {

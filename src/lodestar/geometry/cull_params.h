@@ -41,7 +41,7 @@ struct CullParams {
     uint hizLevels;
     vec2 hizSize;                    // pixels of the picture the pyramid is of
     uint listAll;                    // every meshlet has its place in the list, in view or not
-    float reliefReach;               // displaced edges are halved within their length times this;
+    float reliefReach;               // relief is shown within its wavelength times this;
                                      // 0: what Tessellate left is not of this view
     uint hizOffsets[LS_HIZ_LEVELS];  // where each level begins; LS_HIZ_FIRST is the first there is
 };

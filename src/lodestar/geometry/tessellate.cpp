@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <lodestar/geometry/tessellate.hpp>
 
+#include <limits>
+#include <numbers>
+
 #include <lodestar/geometry/tessellate_params.h>
 #include <lodestar/geometry/frustum.hpp>
 #include <lodestar/gpu/readback.hpp>
@@ -23,6 +26,11 @@ using gpu::Slot;
 using gpu::Stage;
 using shared::TessellateHeader;
 
+std::vector<gpu::SlotArray> selectSlots() {
+    return scene::withSceneSlots({Slot::uniformBuffer, Slot::texelBuffer, Slot::texelBuffer,
+                                  Slot::storageBuffer, Slot::storageBuffer, Slot::storageBuffer});
+}
+
 std::uint64_t offsetBytes(const scene::GpuScene& scene) {
     return 4ull * gpu::PrefixSum::bufferLength(scene.relief.pairCount);
 }
@@ -31,9 +39,8 @@ std::uint64_t offsetBytes(const scene::GpuScene& scene) {
 
 Tessellate::Tessellate(const gpu::Device& d, const scene::GpuScene& scene)
     : device(&d),
-      select(d, "tessellate: select", kSelectCode,
-             scene::withSceneSlots({Slot::uniformBuffer, Slot::texelBuffer, Slot::texelBuffer,
-                                    Slot::storageBuffer, Slot::storageBuffer})),
+      count(d, "tessellate: count", kSelectCode, selectSlots(), 0, {0}),
+      mark(d, "tessellate: mark", kSelectCode, selectSlots(), 0, {1}),
       list(d, "tessellate: list", kListCode,
            scene::withSceneSlots({Slot::uniformBuffer, Slot::texelBuffer, Slot::texelBuffer,
                                   Slot::storageBuffer, Slot::storageBuffer, Slot::storageBuffer,
@@ -42,21 +49,22 @@ Tessellate::Tessellate(const gpu::Device& d, const scene::GpuScene& scene)
              scene::withSceneSlots({Slot::uniformBuffer, Slot::texelBuffer, Slot::texelBuffer,
                                     Slot::texelBuffer, Slot::storageBuffer, Slot::storageBuffer,
                                     Slot::storageBuffer, Slot::storageBuffer, Slot::storageBuffer,
-                                    Slot::storageBuffer})),
+                                    Slot::storageBuffer, Slot::storageBuffer})),
       prefixSum(d),
       params(d, "tessellation", sizeof(shared::TessellateParams)),
       offsets(d, "refined triangles before each meshlet", offsetBytes(scene)),
       entries(d, "triangles to refine", 8ull * scene.relief.capacity),
-      header(d, "tessellation: counts", sizeof(TessellateHeader)) {}
+      header(d, "tessellation: counts", sizeof(TessellateHeader)),
+      capacity(scene.relief.capacity) {}
 
 void Tessellate::record(gpu::Recorder& rec, const scene::GpuScene& scene,
                         const CullView& view) const {
     const scene::Relief& relief = scene.relief;
-    if (relief.capacity == 0 || view.edgePx == 0) return;
+    if (relief.capacity == 0 || view.wavePx == 0) return;
     const auto pass = rec.pass("tessellate");
     const auto planes = frustumPlanes(view.clipFromWorld, view.keepBeforeNear);
     shared::TessellateParams p{.eye = view.eye,
-                               .reach = pixelsPerUnit(view.clipFromWorld, view.size) / view.edgePx,
+                               .reach = pixelsPerUnit(view.clipFromWorld, view.size) / view.wavePx,
                                .pairs = relief.pairCount,
                                .instances = relief.instances,
                                .capacity = relief.capacity,
@@ -67,13 +75,17 @@ void Tessellate::record(gpu::Recorder& rec, const scene::GpuScene& scene,
                                .secondUvs = scene.features().secondUvs};
     std::copy(planes.begin(), planes.end(), p.planes);
     rec.barrier(Stage::compute, Stage::transfer);
+    rec.barrier(Stage::indirect, Stage::transfer);
     rec.update(params, p);
+    rec.update(header, TessellateHeader{});
     rec.barrier(Stage::transfer, Stage::compute);
 
     const vk::Extent3D overPairs{gpu::groups(relief.pairCount, shared::LS_SPAN), 1, 1};
-    rec.dispatch(select, overPairs,
-                 scene::withScene(scene, {params, relief.displaced, relief.pairs,
-                                          relief.masks.buffer(), offsets}));
+    const auto select = scene::withScene(
+        scene, {params, relief.displaced, relief.pairs, header, relief.masks.buffer(), offsets});
+    rec.dispatch(count, overPairs, select);
+    rec.barrier(Stage::compute, Stage::compute);
+    rec.dispatch(mark, overPairs, select);
     rec.barrier(Stage::compute, Stage::compute);
     prefixSum.record(rec, offsets, relief.pairCount);
     rec.dispatch(
@@ -85,16 +97,21 @@ void Tessellate::record(gpu::Recorder& rec, const scene::GpuScene& scene,
     rec.dispatchIndirect(
         refine, header,
         scene::withScene(
-            scene, {params, relief.displaced, relief.pairs, scene.secondUvs, entries,
+            scene, {params, relief.displaced, relief.pairs, scene.secondUvs, header, entries,
                     scene.vertices.buffer(), scene.attributes.buffer(), scene.secondUvs.buffer(),
                     scene.triangles.buffer(), scene.meshlets.buffer()}));
     rec.barrier(Stage::compute, Stage::compute);
 }
 
-std::uint32_t Tessellate::dropped() const {
-    return gpu::as<TessellateHeader>(gpu::readBuffer(*device, header, sizeof(TessellateHeader)))
-        .front()
-        .dropped;
+float Tessellate::coarsenedBy() const {
+    const auto counts =
+        gpu::as<TessellateHeader>(gpu::readBuffer(*device, header, sizeof(TessellateHeader)));
+    float factor = 1;
+    for (const std::uint32_t within : counts.front().within) {
+        if (within <= capacity) return factor;
+        factor *= std::numbers::sqrt2_v<float>;
+    }
+    return std::numeric_limits<float>::infinity();
 }
 
 }  // namespace lodestar::geometry

@@ -16,9 +16,9 @@ bool before(vec3 p, vec3 q) {
     return p.y != q.y ? p.y < q.y : p.z < q.z;
 }
 
-/// Times the edge between p and q is halved, a function of its two ends and the eye alone: the same
+/// The least distance of the edge between p and q from the eye, a function of these alone: the same
 /// in every kernel and for both of its triangles.
-uint divisionsOf(vec3 p, vec3 q, vec3 eye, float begins) {
+float edgeApart(vec3 p, vec3 q, vec3 eye) {
     const bool ordered = before(p, q);
     const vec3 low = ordered ? p : q, high = ordered ? q : p;
     precise vec3 along = high - low;
@@ -28,7 +28,18 @@ uint divisionsOf(vec3 p, vec3 q, vec3 eye, float begins) {
     t = squared > 0 ? clamp(t / squared, 0.0, 1.0) : 0.0;
     precise vec3 off = from - along * t;
     precise float apart = sqrt(off.x * off.x + off.y * off.y + off.z * off.z);
-    return divisionsAt(apart, begins);
+    return apart;
+}
+
+/// The reach of this frame: the first within which there is a place for all triangles; 0 when even
+/// the last has more. Fewer are refined then, but never one beside a neighbour that should be.
+float reachThatFits(uint within[LS_TESS_REACHES]) {
+    float reach = params.reach;
+    for (uint i = 0; i < LS_TESS_REACHES; ++i) {
+        if (within[i] <= params.capacity) return reach;
+        reach *= sqrt(0.5);
+    }
+    return 0;
 }
 
 #endif

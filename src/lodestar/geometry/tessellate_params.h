@@ -9,19 +9,22 @@ LS_NAMESPACE_BEGIN
 struct TessellateParams {
     vec4 planes[5];  // of the view's frustum, as in CullParams
     vec3 eye;        // world
-    float reach;     // edges are first halved nearer than their length times this
+    float reach;     // edges are first halved nearer than the wavelength times this
     uint pairs;      // with the unused first one
     uint instances;  // with the first, which is none
     uint capacity;   // triangles that can be refined
-    uint total;      // where the number that should be stands in the scanned counts
+    uint total;      // where the number of all stands in the scanned counts
     uint firstVertex, firstTriangle, firstMeshlet;
     uint secondUvs;  // whether there are any
 };
 
-/// Workgroups of the pass over the refined triangles, and what there was no place for.
+// Reaches that are tried, each 1/√2 of the one before, until what is within has a place.
+const uint LS_TESS_REACHES = 6;
+
 struct TessellateHeader {
-    uint groups[3];
-    uint dropped;
+    uint groups[3];  // workgroups of the pass over the refined triangles
+    uint unused;
+    uint within[LS_TESS_REACHES];  // triangles within each reach
 };
 
 LS_NAMESPACE_END

@@ -12,12 +12,13 @@ layout(binding = 6, scalar) uniform Params { TessellateParams params; };
 layout(binding = 7) uniform usamplerBuffer displaced;
 layout(binding = 8) uniform usamplerBuffer pairs;
 layout(binding = 9) uniform samplerBuffer secondUvs;
-layout(binding = 10, scalar) readonly buffer Entries { uvec2 entries[]; };
-layout(binding = 11, scalar) writeonly buffer Vertices { uvec4 vertices[]; };
-layout(binding = 12, scalar) writeonly buffer Attributes { uvec4 attributes[]; };
-layout(binding = 13, scalar) writeonly buffer SecondUvs { vec2 newSecondUvs[]; };
-layout(binding = 14, scalar) writeonly buffer Triangles { uvec4 triangles[]; };
-layout(binding = 15, scalar) writeonly buffer Meshlets { uvec4 meshlets[]; };
+layout(binding = 10, scalar) readonly buffer Header { TessellateHeader header; };
+layout(binding = 11, scalar) readonly buffer Entries { uvec2 entries[]; };
+layout(binding = 12, scalar) writeonly buffer Vertices { uvec4 vertices[]; };
+layout(binding = 13, scalar) writeonly buffer Attributes { uvec4 attributes[]; };
+layout(binding = 14, scalar) writeonly buffer SecondUvs { vec2 newSecondUvs[]; };
+layout(binding = 15, scalar) writeonly buffer Triangles { uvec4 triangles[]; };
+layout(binding = 16, scalar) writeonly buffer Meshlets { uvec4 meshlets[]; };
 
 #include "tessellate.glsl"
 
@@ -38,7 +39,10 @@ Corner cornerOf(uint vertex) {
 Corner blend(Corner p, Corner q, float t) {
     precise vec3 position = p.position + (q.position - p.position) * t;
     precise vec3 normal = p.normal + (q.normal - p.normal) * t;
-    if (t >= 1) position = q.position;
+    if (t >= 1) {  // rounding must not move the end
+        position = q.position;
+        normal = q.normal;
+    }
     return Corner(position, normal, vec4(mix(p.tangent.xyz, q.tangent.xyz, t), p.tangent.w),
                   mix(p.color, q.color, t), mix(p.uv, q.uv, t), mix(p.secondUv, q.secondUv, t));
 }
@@ -48,9 +52,11 @@ Corner blend(Corner p, Corner q, float t) {
 Corner onEdge(Corner p, Corner q, uint step, uint own, uint most) {
     const uint coarse = most - own;
     const uint at = ((step + ((1u << coarse) >> 1)) >> coarse) << coarse;
-    const float t = float(at) / float(1u << most);
-    if (before(p.position, q.position)) return blend(p, q, t);
-    return blend(q, p, 1 - t);
+    const bool ordered = before(p.position, q.position);
+    const Corner low = ordered ? p : q, high = ordered ? q : p;
+    // Multiplied by a power of two: divisions need not be exact.
+    return blend(low, high,
+                 float(ordered ? at : (1u << most) - at) * uintBitsToFloat((127u - most) << 23));
 }
 
 uint vertexAt(uint row, uint column) { return row * (row + 1) / 2 + column; }
@@ -60,17 +66,17 @@ void main() {
     const uvec2 entry = entries[place];
     const uvec2 pair = texelFetch(pairs, int(entry.x)).xy;
     const uvec4 relief = texelFetch(displaced, int(2 * pair.x));
-    const GpuInstance instance = loadInstance(texelFetch(displaced, int(2 * pair.x + 1)).w);
+    const GpuInstance instance = loadInstance(relief.w);
     const float amplitude = uintBitsToFloat(relief.x), wavelength = uintBitsToFloat(relief.y);
-    const float begins = uintBitsToFloat(relief.w) * params.reach;
+    const float begins = wavelength * reachThatFits(header.within);
     const vec3 eye = eyeIn(instance);
 
     const GpuMeshlet meshlet = loadMeshlet(pair.y);
     const GpuTriangle triangle = loadStoredTriangle(meshlet.triangles + entry.y);
     const Corner a = cornerOf(triangle.a), b = cornerOf(triangle.b), c = cornerOf(triangle.c);
-    const uint ab = divisionsOf(a.position, b.position, eye, begins);
-    const uint bc = divisionsOf(b.position, c.position, eye, begins);
-    const uint ca = divisionsOf(c.position, a.position, eye, begins);
+    const uint ab = divisionsAt(edgeApart(a.position, b.position, eye), begins);
+    const uint bc = divisionsAt(edgeApart(b.position, c.position, eye), begins);
+    const uint ca = divisionsAt(edgeApart(c.position, a.position, eye), begins);
     const uint most = max(ab, max(bc, ca)), side = 1u << most;
 
     // Rows from a (one vertex) to the edge from b to c (side + 1 of them).

@@ -103,11 +103,11 @@ struct GpuDisplaced {
     float amplitude;   // object units
     float wavelength;  // of the first octave, object units
     uint octaves;
-    float edge;  // length of the mesh's edges, object units
+    uint instance;
     uint firstPair;
     uint firstMeshlet;  // of the mesh's finest level
     uint meshletCount;
-    uint instance;
+    uint unused;
 };
 
 /// A meshlet of a displaced instance. Pair 0 is unused.

@@ -42,7 +42,8 @@ struct Vertex {
 /// the eye draws near (scene/displacement.h).
 struct Displacement {
     float amplitude = 0;        ///< the most a point moves, outwards or inwards [object units]
-    float wavelength = 1;       ///< of the first octave, twice that of the second [object units]
+    /// Of the first octave, twice that of the second [object units]; one to two edges of the mesh.
+    float wavelength = 1;
     std::uint32_t octaves = 3;  ///< 1 … 3
 };
 
