@@ -103,21 +103,27 @@ std::string csvCell(const Json& value) {
 }  // namespace
 
 const std::vector<Bench>& benches() {
-    static const std::vector<Bench> all{shadingRateBench(),
-                                        framebufferLodBench(),
-                                        sigmaBench(),
-                                        splitBench(),
-                                        shadingFlickerBench(),
-                                        framerateControlBench(),
-                                        budgetHoldBench(),
-                                        scalingFiltersBench(),
-                                        temporalBench(),
-                                        visibilityQualityBench(),
-                                        visibilityMemoryBench(),
-                                        visibilityTimeBench(),
-                                        geometryLodBench(),
-                                        cullingScaleBench(),
-                                        lodQualityBench()};
+    static const std::vector<Bench> all{
+        shadingRateBench(),
+        framebufferLodBench(),
+        sigmaBench(),
+        splitBench(),
+        shadingFlickerBench(),
+        framerateControlBench(),
+        budgetHoldBench(),
+        scalingFiltersBench(),
+        temporalBench(),
+        visibilityQualityBench(),
+        visibilityMemoryBench(),
+        visibilityTimeBench(),
+        geometryLodBench(),
+        cullingScaleBench(),
+        lodQualityBench(),
+        lodPopsBench(),
+#ifdef LODESTAR_OSG
+        sceneGraphBench(),
+#endif
+    };
     return all;
 }
 

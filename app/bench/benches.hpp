@@ -37,5 +37,11 @@ Bench geometryLodBench();
 Bench cullingScaleBench();
 /// Quality and triangles by the error allowed.
 Bench lodQualityBench();
+/// Whether a change of level shows.
+Bench lodPopsBench();
+#ifdef LODESTAR_OSG
+/// The same instances drawn by OpenSceneGraph; only in a build with LODESTAR_OSG.
+Bench sceneGraphBench();
+#endif
 
 }  // namespace lodestar::app
