@@ -27,7 +27,7 @@ const char* nameOf(LodMethod);
 struct MeshLod {
     MeshletSet meshlets;
     /// How wrong it looks, as a distance: what may be seen of it at a size at which this is more
-    /// than a pixel. At least offPlace, and more where textures slide or light falls wrongly.
+    /// than a pixel. More than offPlace, and the more where textures slide or light falls wrongly.
     float error = 0;     ///< [object units]
     float offPlace = 0;  ///< how far the surface may lie from that of the mesh [object units]
     LodMethod method = LodMethod::whole;

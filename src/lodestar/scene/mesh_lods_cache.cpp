@@ -17,7 +17,7 @@ namespace lodestar::scene {
 namespace {
 
 // Count up with every change of what buildMeshLods or buildMeshlets gives, or of the format.
-constexpr std::uint32_t kVersion = 4;
+constexpr std::uint32_t kVersion = 5;
 constexpr std::uint32_t kMagic = 0x646f4c4c;  // "LLod"
 
 static_assert(sizeof(Meshlet) == 48 && std::is_trivially_copyable_v<Meshlet>);
