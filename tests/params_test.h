@@ -9,6 +9,7 @@
 #include "lodestar/post/tonemap_params.h"
 #include "lodestar/scale/spatial_params.h"
 #include "lodestar/scale/temporal_params.h"
+#include "lodestar/scene/deform_params.h"
 #include "lodestar/scene/gpu_types.h"
 #include "lodestar/shading/coarse_params.h"
 #include "lodestar/shading/combine_params.h"
@@ -74,6 +75,8 @@ struct AllParams {
     SpatialParams spatial;
     CombineParams combine;
     MotionParams motion;
+    DeformParams deform;
+    DeformBoundsParams deformBounds;
     ShowLodsParams showLods;
     TemporalParams temporal;
     TemporalSourceParams temporalSource;
@@ -200,7 +203,13 @@ LS_NAMESPACE_END
     VISIT(p.spatial.step) VISIT(p.spatial.texelSize) VISIT(p.spatial.last) \
     VISIT(p.spatial.live) VISIT(p.spatial.size) VISIT(p.spatial.amount) VISIT(p.spatial.seed) \
     VISIT(p.combine.size) \
-    VISIT(p.motion.previousClipFromWorld) VISIT(p.motion.size) VISIT(p.showLods.scale) \
+    VISIT(p.motion.previousClipFromWorld) VISIT(p.motion.size) \
+    VISIT(p.motion.firstDeformed) \
+    VISIT(p.deform.firstVertex) VISIT(p.deform.vertexCount) VISIT(p.deform.firstRest) \
+    VISIT(p.deform.joints) VISIT(p.deform.firstInfluence) VISIT(p.deform.firstJoint) \
+    VISIT(p.deform.deltas) VISIT(p.deform.deltaRows) VISIT(p.deform.firstActive) \
+    VISIT(p.deform.activeCount) VISIT(p.deformBounds.firstMeshlet) \
+    VISIT(p.deformBounds.meshletCount) VISIT(p.showLods.scale) \
     VISIT(p.temporal.texelSize) VISIT(p.temporal.last) VISIT(p.temporal.live) \
     VISIT(p.temporal.jitter) VISIT(p.temporal.size) VISIT(p.temporal.falloff) \
     VISIT(p.temporal.memory) VISIT(p.temporal.known) VISIT(p.temporal.moved) \

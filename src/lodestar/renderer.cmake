@@ -12,6 +12,7 @@ add_library(lodestar STATIC
     gpu/raster.cpp
     gpu/readback.cpp
     gpu/recorder.cpp
+    scene/deform.cpp
     scene/gpu_scene.cpp
     geometry/cull.cpp
     geometry/hiz.cpp
@@ -50,6 +51,8 @@ target_link_libraries(lodestar
 target_precompile_headers(lodestar PRIVATE gpu/vulkan.hpp)
 lodestar_shaders(lodestar
     gpu/prefix_sum.comp
+    scene/deform.comp
+    scene/deform_bounds.comp
     geometry/compact.comp
     geometry/cull_chunks.comp
     geometry/cull_clusters.comp

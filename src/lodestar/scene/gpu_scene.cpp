@@ -44,6 +44,11 @@ struct GpuScene::Packed {
     std::uint64_t clustersDrawn = 0, trianglesDrawn = 0;
     std::size_t lodsMost = 1;
 
+    std::vector<std::uint32_t> meshOf;
+    std::vector<Deform::Part> deforming;
+    std::uint32_t firstDeformed = 0, firstDeformedMeshlet = 0;
+
+    void addMeshes(const Scene&, const std::vector<MeshLods>&);
     void add(const Mesh&, const Material&, const MeshLods&);
     void arrange(const Scene&);
 };
@@ -157,6 +162,38 @@ gpu::Image uploadTextures(const gpu::Device& device, const TextureArray& array, 
 
 }  // namespace
 
+/// The meshes, then those of instances that deform once more each: what shows the scene finds
+/// their vertices in place like all others.
+void GpuScene::Packed::addMeshes(const Scene& scene, const std::vector<MeshLods>& chains) {
+    const auto count = static_cast<std::uint32_t>(scene.instances.size());
+    std::vector<bool> shared(scene.meshes.size());
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const Instance& instance = scene.instances[i];
+        meshOf.push_back(instance.mesh);
+        if (scene::deforms(scene, instance))
+            deforming.push_back({.instance = i, .firstVertex = 0});
+        else
+            shared[instance.mesh] = true;
+    }
+    const auto addOne = [&](std::uint32_t mesh) {
+        add(scene.meshes[mesh], scene.materials[scene.meshes[mesh].material], chains[mesh]);
+    };
+    static const Mesh kNothing;
+    for (std::uint32_t i = 0; i < scene.meshes.size(); ++i) {
+        if (shared[i] || deforming.empty())
+            addOne(i);
+        else
+            add(kNothing, scene.materials[scene.meshes[i].material], {});
+    }
+    firstDeformed = static_cast<std::uint32_t>(vertices.size());
+    firstDeformedMeshlet = static_cast<std::uint32_t>(meshlets.size());
+    for (Deform::Part& part : deforming) {
+        part.firstVertex = static_cast<std::uint32_t>(vertices.size());
+        meshOf[part.instance] = static_cast<std::uint32_t>(meshes.size());
+        addOne(scene.instances[part.instance].mesh);
+    }
+}
+
 void GpuScene::Packed::add(const Mesh& mesh, const Material& material, const MeshLods& chain) {
     const auto number = [](std::size_t n) { return static_cast<std::uint32_t>(n); };
     const std::uint32_t firstVertex = number(vertices.size());
@@ -217,7 +254,7 @@ void GpuScene::Packed::arrange(const Scene& scene) {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> keys(count);  // bin and place, instance
     for (std::uint32_t i = 0; i < count; ++i) {
         const Instance& instance = scene.instances[i];
-        const GpuMesh& mesh = meshes[instance.mesh];
+        const GpuMesh& mesh = meshes[meshOf[i]];
         const glm::vec3 at(worldFromNodes[instance.node] * instance.nodeFromObject *
                            glm::vec4(mesh.centre, 1));
         const glm::vec3 cell = (at - box.lower) * scale;
@@ -249,7 +286,7 @@ void GpuScene::Packed::arrange(const Scene& scene) {
     clusters.push_back({});
     wholeBins.fill(1);
     for (const std::uint32_t i : order) {
-        const GpuMesh& mesh = meshes[scene.instances[i].mesh];
+        const GpuMesh& mesh = meshes[meshOf[i]];
         const GpuLod& lod = lods[mesh.firstLod];
         for (std::uint32_t m = lod.firstMeshlet; m < lod.firstMeshlet + lod.meshletCount; ++m) {
             if (clusters.size() > kMaxVisibleClusters) break;
@@ -280,8 +317,7 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene,
               buildSceneLods(scene, settings, [&](int done, int of) {
                   if (progress) progress("levels of detail", done, of);
               });
-          for (std::size_t i = 0; i < scene.meshes.size(); ++i)
-              packed.add(scene.meshes[i], scene.materials[scene.meshes[i].material], chains[i]);
+          packed.addMeshes(scene, chains);
           packed.arrange(scene);
 
           say("textures", 0, scene.textures.size());
@@ -316,6 +352,9 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene, Packed&& packe
       order(std::move(packed.order)),
       wholeBins(packed.wholeBins),
       chunkSpans(std::move(packed.chunkSpans)),
+      meshOf(std::move(packed.meshOf)),
+      deformedFrom(packed.firstDeformed),
+      verticesStored(static_cast<std::uint32_t>(packed.vertices.size())),
       clustersDrawn(packed.clustersDrawn),
       trianglesDrawn(packed.trianglesDrawn),
       lodsMost(packed.lodsMost) {
@@ -327,27 +366,49 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene, Packed&& packe
         textureArrays.push_back(uploadTextures(device, white, 0));
     }
     clusters.buffer().upload(packed.clusters);
+    if (!packed.deforming.empty()) {
+        const std::uint32_t first = packed.firstDeformedMeshlet;
+        deform =
+            std::make_unique<Deform>(device, scene, packed.deforming, first,
+                                     static_cast<std::uint32_t>(packed.meshlets.size()) - first);
+        packedMeshes = std::move(packed.meshes);
+    }
     animate(0);
 }
 
-void GpuScene::animate(float seconds) {
-    std::vector<glm::mat4> now = worldFromNode(*source, seconds);
-    if (now == worldFromNodes) return;
-    worldFromNodes = std::move(now);
-    worldBox = worldBounds(*source, worldFromNodes);
+gpu::FrameTimes GpuScene::animate(float seconds) {
+    Pose now = poseAt(*source, seconds);
+    if (now == pose && changes > 0) return {};
+    pose = std::move(now);
+    worldBox = worldBounds(*source, pose);
     instances.buffer().upload(packInstances());
     chunks.buffer().upload(packChunks());
     const auto packedLights = packLights();
     lightsUsed = static_cast<std::uint32_t>(packedLights.size());
     lights.upload(packedLights);
     ++changes;
+    if (!deform) return {};
+    moveSpheres();
+    return deform->run(*source, pose, {vertices, attributes, triangles, meshlets});
+}
+
+void GpuScene::moveSpheres() {
+    for (std::size_t i = 0; i < meshOf.size(); ++i) {
+        const Instance& instance = source->instances[i];
+        if (meshOf[i] == instance.mesh) continue;
+        const Bounds box = objectBounds(*source, instance, pose);
+        const glm::vec3 centre = box.empty() ? glm::vec3(0) : box.centre();
+        packedMeshes[meshOf[i]].centre = centre;
+        packedMeshes[meshOf[i]].radius = box.radius() * (1 + 1e-5f) + 1e-6f * glm::length(centre);
+    }
+    meshes.buffer().upload(packedMeshes);
 }
 
 std::vector<GpuInstance> GpuScene::packInstances() const {
     std::vector<GpuInstance> packed;
     packed.reserve(source->instances.size());
     for (const Instance& instance : source->instances) {
-        const glm::mat4 m = worldFromNodes[instance.node] * instance.nodeFromObject;
+        const glm::mat4 m = pose.worldFromNode[instance.node] * instance.nodeFromObject;
         const glm::mat4 rows = glm::transpose(m);
         const glm::vec3 scale{glm::length(glm::vec3(m[0])), glm::length(glm::vec3(m[1])),
                               glm::length(glm::vec3(m[2]))};
@@ -368,9 +429,11 @@ std::vector<GpuInstance> GpuScene::packInstances() const {
              .row1 = rows[1],
              .row2 = rows[2],
              .maxScale = bound,
-             .flags = (glm::determinant(linear) < 0 ? shared::LS_INSTANCE_REFLECTED : 0) |
-                      (uniform ? shared::LS_INSTANCE_CONE_VALID : 0),
-             .mesh = instance.mesh});
+             .flags =
+                 (glm::determinant(linear) < 0 ? shared::LS_INSTANCE_REFLECTED : 0) |
+                 (uniform && !scene::deforms(*source, instance) ? shared::LS_INSTANCE_CONE_VALID
+                                                                : 0),
+             .mesh = meshOf[packed.size()]});
     }
     return packed;
 }
@@ -382,10 +445,8 @@ std::vector<GpuChunk> GpuScene::packChunks() const {
         Bounds box;
         for (std::uint32_t i = span.x; i < span.x + span.y; ++i) {
             const Instance& instance = source->instances[order[i]];
-            const Mesh& mesh = source->meshes[instance.mesh];
-            if (!mesh.bounds.empty())
-                box.add(mesh.bounds.transformed(worldFromNodes[instance.node] *
-                                                instance.nodeFromObject));
+            box.add(objectBounds(*source, instance, pose)
+                        .transformed(pose.worldFromNode[instance.node] * instance.nodeFromObject));
         }
         const glm::vec3 centre = box.empty() ? glm::vec3(0) : box.centre();
         packed.push_back({.centre = centre,
@@ -412,7 +473,7 @@ std::vector<GpuLight> GpuScene::packLights() const {
     std::vector<GpuLight> packed;
     for (const Light& light : source->lights) {
         if (light.kind == LightKind::directional) continue;  // becomes the sun
-        const glm::mat4& m = worldFromNodes[light.node];
+        const glm::mat4& m = pose.worldFromNode[light.node];
         const float inner = std::cos(light.innerCone), outer = std::cos(light.outerCone);
         const float scale = 1 / std::max(inner - outer, 1e-3f);  // KHR_lights_punctual's formula
         packed.push_back({.position = glm::vec3(m[3]),
