@@ -13,6 +13,7 @@
 #include "lodestar/scene/gpu_types.h"
 #include "lodestar/shading/coarse_params.h"
 #include "lodestar/shading/combine_params.h"
+#include "lodestar/shading/layer_params.h"
 #include "lodestar/shading/light_params.h"
 #include "lodestar/upsample/refine_params.h"
 #include "lodestar/upsample/upsample_params.h"
@@ -23,6 +24,7 @@
 #include "lodestar/visibility/expand_params.h"
 #include "lodestar/visibility/fragments_params.h"
 #include "lodestar/visibility/motion_params.h"
+#include "lodestar/visibility/peel_params.h"
 #include "lodestar/visibility/rebuild_params.h"
 #include "lodestar/visibility/sample_grid_params.h"
 #include "lodestar/visibility/view_params.h"
@@ -77,6 +79,8 @@ struct AllParams {
     MotionParams motion;
     DeformParams deform;
     DeformBoundsParams deformBounds;
+    PeelParams peel;
+    LayerParams layer;
     ShowLodsParams showLods;
     TemporalParams temporal;
     TemporalSourceParams temporalSource;
@@ -209,15 +213,17 @@ LS_NAMESPACE_END
     VISIT(p.deform.joints) VISIT(p.deform.firstInfluence) VISIT(p.deform.firstJoint) \
     VISIT(p.deform.deltas) VISIT(p.deform.deltaRows) VISIT(p.deform.firstActive) \
     VISIT(p.deform.activeCount) VISIT(p.deformBounds.firstMeshlet) \
-    VISIT(p.deformBounds.meshletCount) VISIT(p.showLods.scale) \
+    VISIT(p.deformBounds.meshletCount) \
+    VISIT(p.peel.clipFromWorld) VISIT(p.peel.toOpaque) VISIT(p.peel.opaqueSize) \
+    VISIT(p.layer.size) VISIT(p.layer.fullSize) VISIT(p.layer.capacity) VISIT(p.showLods.scale) \
     VISIT(p.temporal.texelSize) VISIT(p.temporal.last) VISIT(p.temporal.live) \
     VISIT(p.temporal.jitter) VISIT(p.temporal.size) VISIT(p.temporal.falloff) \
-    VISIT(p.temporal.memory) VISIT(p.temporal.known) VISIT(p.temporal.moved) \
+    VISIT(p.temporal.memory) VISIT(p.temporal.known) VISIT(p.temporal.moved) VISIT(p.temporal.layered) \
     VISIT(p.temporalSource.texelSize) VISIT(p.temporalSource.last) \
     VISIT(p.temporalSource.live) VISIT(p.temporalSource.jitter) \
     VISIT(p.temporalSource.lastBefore) VISIT(p.temporalSource.liveBefore) \
     VISIT(p.temporalSource.jitterBefore) VISIT(p.temporalSource.size) \
-    VISIT(p.temporalSource.k) VISIT(p.temporalSource.known) \
+    VISIT(p.temporalSource.k) VISIT(p.temporalSource.known) VISIT(p.temporalSource.layered) \
     VISIT(p.temporalShow.size) VISIT(p.temporalShow.sharpness)
 // clang-format on
 

@@ -79,18 +79,41 @@ GpuTextureTransform packTransform(const TextureUse& use) {
     return {.uRow = {m[0][0], m[1][0], m[2][0], 0}, .vRow = {m[0][1], m[1][1], m[2][1], 0}};
 }
 
-// Blended surfaces are drawn as masked ones until there is a pass for them. A little below one
-// half, so that rounding does not riddle those that are half opaque all over.
-constexpr float kBlendCutoff = 0.5f - 1.0f / 512;
+// What a blended surface shows from this alpha on is opaque, and drawn as a masked one. The rest is
+// left to the layer (visibility::Peel).
+constexpr float kOpaque = 0.98f;
 
-GpuMaterialRecord pack(const Material& m, const Scene& scene, const TextureArrays& arrays) {
+/// Of each material whether it is BLEND and something of it is not opaque.
+std::vector<bool> seenThrough(const Scene& scene) {
+    std::vector<bool> thin(scene.materials.size());
+    for (std::size_t i = 0; i < thin.size(); ++i) {
+        const Material& m = scene.materials[i];
+        if (m.alphaMode != AlphaMode::blend) continue;
+        thin[i] = m.baseColor.a < kOpaque;
+        if (thin[i] || m.baseColorTexture.texture == kNone) continue;
+        const Image& image = scene.images[scene.textures[m.baseColorTexture.texture].image];
+        for (std::size_t a = 3; a < image.rgba.size() && !thin[i]; a += 4)
+            thin[i] = static_cast<float>(image.rgba[a]) * m.baseColor.a < 255 * kOpaque;
+    }
+    for (const Mesh& mesh : scene.meshes) {
+        const bool blends = scene.materials[mesh.material].alphaMode == AlphaMode::blend;
+        if (blends && !thin[mesh.material])
+            thin[mesh.material] = std::any_of(mesh.vertices.begin(), mesh.vertices.end(),
+                                              [](auto& v) { return v.color.a < kOpaque; });
+    }
+    return thin;
+}
+
+GpuMaterialRecord pack(const Material& m, const Scene& scene, const TextureArrays& arrays,
+                       bool thin) {
     const bool masked = m.alphaMode != AlphaMode::opaque;
     return {
         .material = {.baseColor = m.baseColor,
                      .emissive = m.emissive,
                      .flags = (masked ? shared::LS_MATERIAL_MASK : 0) |
                               (m.doubleSided ? shared::LS_MATERIAL_DOUBLE_SIDED : 0) |
-                              (m.unlit ? shared::LS_MATERIAL_UNLIT : 0),
+                              (m.unlit ? shared::LS_MATERIAL_UNLIT : 0) |
+                              (thin ? shared::LS_MATERIAL_BLEND : 0),
                      .metallic = m.metallic,
                      .roughness = m.roughness,
                      .normalScale = m.normalScale,
@@ -100,7 +123,7 @@ GpuMaterialRecord pack(const Material& m, const Scene& scene, const TextureArray
                      .metallicRoughnessTexture = packUse(m.metallicRoughnessTexture, scene, arrays),
                      .occlusionTexture = packUse(m.occlusionTexture, scene, arrays),
                      .emissiveTexture = packUse(m.emissiveTexture, scene, arrays),
-                     .alphaCutoff = m.alphaMode == AlphaMode::blend ? kBlendCutoff : m.alphaCutoff},
+                     .alphaCutoff = m.alphaMode == AlphaMode::blend ? kOpaque : m.alphaCutoff},
         .transforms = {packTransform(m.baseColorTexture), packTransform(m.normalTexture),
                        packTransform(m.metallicRoughnessTexture), packTransform(m.occlusionTexture),
                        packTransform(m.emissiveTexture)}};
@@ -127,6 +150,7 @@ SceneFeatures featuresOf(const std::vector<GpuMaterialRecord>& materials) {
                           place(m.occlusionTexture) != place(m.metallicRoughnessTexture);
         f.emissive |= m.emissive != glm::vec3(0);
         f.unlit |= (m.flags & shared::LS_MATERIAL_UNLIT) != 0;
+        f.blended |= (m.flags & shared::LS_MATERIAL_BLEND) != 0;
     }
     f.occlusionShared = f.occlusionArrays != 0 && !occlusionApart;
     return f;
@@ -322,8 +346,9 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene,
 
           say("textures", 0, scene.textures.size());
           packed.textures = buildTextureArrays(scene);
-          for (const Material& m : scene.materials)
-              packed.materials.push_back(pack(m, scene, packed.textures));
+          const std::vector<bool> thin = seenThrough(scene);
+          for (std::size_t i = 0; i < thin.size(); ++i)
+              packed.materials.push_back(pack(scene.materials[i], scene, packed.textures, thin[i]));
           packed.features = featuresOf(packed.materials);
           for (const Light& light : scene.lights)
               packed.features.punctualLights |= light.kind != LightKind::directional;

@@ -37,6 +37,7 @@ struct SceneFeatures {
     bool secondUvs = false;
     bool unlit = false;
     bool punctualLights = false;
+    bool blended = false;  ///< something is seen through
 };
 
 /// The most a view can list, whatever the scene holds: what the lists of a frame may take in
