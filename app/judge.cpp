@@ -80,6 +80,7 @@ Json countsOf(const Session& session, const frame::Frame& frame) {
             {"triangles_listed", listed},
             {"triangles_visible", triangles},
             {"repaired_pixels", frame.repairedPixels()},
+            {"blended_fragments", frame.blendedFragments()},
             {"refined_texels", frame.refinedTexels()},
             {"triangles_per_lod", perLod},
             {"dropped", dropped}};  // over the capacity of the lists: missing in the picture

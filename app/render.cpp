@@ -233,10 +233,10 @@ Result<void> run(Options options) {
     options.settings.capture = options.capture.backend;
     auto session = openSession(options.scene, options.device);
     if (!session) return tl::unexpected(session.error());
-    if (session->gpuScene->animated())
-        session->gpuScene->animate(static_cast<float>(options.seconds));
     const auto camera = resolveCamera(*session, options.view);
     if (!camera) return tl::unexpected(camera.error());
+    if (session->gpuScene->animated())
+        session->gpuScene->animate(static_cast<float>(options.seconds));
     options.settings.size = vk::Extent2D{static_cast<std::uint32_t>(options.view.size.width),
                                          static_cast<std::uint32_t>(options.view.size.height)};
     options.settings.maxScale = std::max(1.0f, options.levers.renderScale);
