@@ -13,6 +13,7 @@ add_library(lodestar STATIC
     gpu/readback.cpp
     gpu/recorder.cpp
     scene/deform.cpp
+    scene/gpu_materials.cpp
     scene/gpu_scene.cpp
     geometry/cull.cpp
     geometry/hiz.cpp
