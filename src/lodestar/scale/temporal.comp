@@ -126,6 +126,7 @@ void main() {
     const vec2 base = floor(safe - 0.5), f = safe - 0.5 - base;
     vec4 loose = vec4(0);
     float matched = 0, sunThen = 0, layerThen = 0;
+    const bool remembers = params.known != 0 && params.layered != 0;
     bool all4 = true;
     for (int i = 0; i < 4; ++i) {
         const ivec2 corner = ivec2(i & 1, i >> 1);
@@ -133,8 +134,8 @@ void main() {
         const vec4 then = texelFetch(guide, tap, 0);
         const vec2 share = mix(1 - f, f, vec2(corner));
         const float w = share.x * share.y;
+        layerThen = max(layerThen, w > 0.01 && remembers ? then.w : 0);
         // Where nothing moved at all nothing can have been uncovered.
-        layerThen = max(layerThen, w > 0.01 ? then.w : 0);
         const bool same = params.moved == 0 || mayBlend(then, around);
         all4 = all4 && (same || w < 0.01);
         if (same) {
