@@ -55,10 +55,13 @@ Run renderRun(const Session& session, frame::Frame& frame, const scene::Camera& 
     Progress bar("rendering", options.frames);
     std::size_t nextSample = 0;
     for (std::size_t i = 0; i < options.frames; ++i) {
+        gpu::FrameTimes deforming;
         if (session.gpuScene->animated())
-            session.gpuScene->animate(static_cast<float>(static_cast<double>(i) / options.fps));
+            deforming = session.gpuScene->animate(options.secondsAt(i));
         const scene::Camera camera = options.path.at(start, i, options.frames);
-        const budget::FrameCosts costs = costsOf(frame.render(camera, levers));
+        gpu::FrameTimes times = frame.render(camera, levers);
+        times.precede(deforming);
+        const budget::FrameCosts costs = costsOf(times);
         run.costs.push_back(costs);
         run.lastRate = levers.shadingRate;
         run.lastCamera = camera;
@@ -76,7 +79,8 @@ Run renderRun(const Session& session, frame::Frame& frame, const scene::Camera& 
         // Samples: the last frame of each of `samples` equal parts of the run.
         if (nextSample < options.samples &&
             i + 1 == (nextSample + 1) * options.frames / options.samples) {
-            run.samples.push_back({i, camera, readDisplay(*session.device, frame)});
+            run.samples.push_back(
+                {i, options.secondsAt(i), camera, readDisplay(*session.device, frame)});
             ++nextSample;
         }
         outcome = afterFrame(i);

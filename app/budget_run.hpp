@@ -26,6 +26,7 @@ Calibration calibrate(frame::Frame&, const scene::Camera&, const budget::Levers&
 /// A frame of a run kept for judging.
 struct Sample {
     std::size_t index = 0;
+    float seconds = 0;  ///< of the animation
     scene::Camera camera;
     quality::RgbImage picture;
 };
@@ -43,6 +44,7 @@ struct Run {
 struct RunOptions {
     std::size_t frames = 1;
     CameraPath path;
+    double startSeconds = 0;         ///< of the animation, at the first frame
     double fps = 60;                 ///< animation time advances by 1/fps a frame
     budget::Levers levers;           ///< under a budget only their proportions count
     std::optional<double> targetMs;  ///< hold this frame time
@@ -50,6 +52,10 @@ struct RunOptions {
     /// S holds the target, as the proportional controller says; r stays. Its target is targetMs.
     std::optional<budget::ProportionalSettings> proportional;
     std::size_t samples = 0;  ///< pictures to keep, evenly over the run
+
+    float secondsAt(std::size_t frame) const {
+        return static_cast<float>(startSeconds + static_cast<double>(frame) / fps);
+    }
 };
 
 /// Renders the frames; `afterFrame(i)` may read the picture back (its time does not count).

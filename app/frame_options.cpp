@@ -201,6 +201,12 @@ void addLeverOptions(CLI::App& app, budget::Levers& levers) {
     app.add_flag("--full-resize,!--fine-grained", levers.resizeAll,
                  "shade as a whole on the coarse grid, not the expensive terms alone")
         ->group(kGroup);
+    app.add_option("--layer-scale", levers.layerScale,
+                   "render alpha-blended surfaces at this share of the size along each axis")
+        ->type_name("S")
+        ->check(CLI::Range(0.25, 1.0))
+        ->capture_default_str()
+        ->group(kGroup);
     app.add_option("--scale,--render-scale", levers.renderScale,
                    "render at this share of the size along each axis and scale the picture; above "
                    "1: supersampled")
@@ -216,7 +222,8 @@ Json leversJson(const budget::Levers& levers) {
         rates[std::string(budget::kTermNames[i])] = levers.rate(budget::Term(i));
     return {{"shading_rate", levers.shadingRate}, {"rates", rates},
             {"render_scale", levers.renderScale}, {"repair", levers.repair},
-            {"local_rate", levers.localRate},     {"full_resize", levers.resizeAll}};
+            {"local_rate", levers.localRate},     {"full_resize", levers.resizeAll},
+            {"layer_scale", levers.layerScale}};
 }
 
 void addFrameOptions(CLI::App& app, frame::FrameSettings& settings) {

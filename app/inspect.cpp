@@ -86,6 +86,12 @@ void printCounts(const scene::Scene& scene, const Inspection& found) {
     line("cameras", scene.cameras.size());
     line("lights", scene.lights.size());
     line("animations", scene.animations.size());
+    const auto deforming = std::count_if(scene.instances.begin(), scene.instances.end(),
+                                         [&](auto& i) { return scene::deforms(scene, i); });
+    if (deforming > 0)
+        line("deforming", static_cast<std::uint64_t>(deforming),
+             fmt::format("of the instances: by joints or morph weights; {} skins",
+                         scene.skins.size()));
     std::cout << printable(scene.name) << '\n' << table.text();
 }
 
@@ -319,7 +325,7 @@ Result<void> inspect(const Options& options) {
 Inspection inspectScene(const scene::Scene& scene, double seconds) {
     Inspection found;
     found.triangles = scene::countTriangles(scene);
-    found.bounds = scene::worldBounds(scene, scene::worldFromNode(scene, float(seconds)));
+    found.bounds = scene::worldBounds(scene, scene::poseAt(scene, float(seconds)));
 
     for (const scene::Material& material : scene.materials) {
         auto& kinds = found.materials;

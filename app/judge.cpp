@@ -21,14 +21,13 @@ QualityFigures qualityOf(const quality::RgbImage& reference, const quality::RgbI
             quality::flip(reference, test)};
 }
 
-RunQuality judgeRun(const Session& session, frame::Frame& frame, const Run& run, double fps) {
+RunQuality judgeRun(const Session& session, frame::Frame& frame, const Run& run) {
     assert(!run.samples.empty());
     RunQuality quality;
     std::vector<double> psnr, ssim, flip;
     Progress bar("comparing with full quality", run.samples.size());
     for (const Sample& sample : run.samples) {
-        if (session.gpuScene->animated())
-            session.gpuScene->animate(static_cast<float>(static_cast<double>(sample.index) / fps));
+        if (session.gpuScene->animated()) session.gpuScene->animate(sample.seconds);
         frame.render(sample.camera, {});
         quality.lastReference = readDisplay(*session.device, frame);
         const QualityFigures figures = qualityOf(quality.lastReference, sample.picture);
@@ -86,6 +85,7 @@ Json countsOf(const Session& session, const frame::Frame& frame) {
             {"triangles_listed", listed},
             {"triangles_visible", triangles},
             {"repaired_pixels", frame.repairedPixels()},
+            {"blended_fragments", frame.blendedFragments()},
             {"refined_texels", frame.refinedTexels()},
             {"triangles_per_lod", perLod},
             {"triangles_refined", refined},

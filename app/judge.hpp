@@ -21,7 +21,7 @@ struct RunQuality {
 
 /// Renders each sample's camera at full quality and compares. `fps` is that of the run; `run` has
 /// samples.
-RunQuality judgeRun(const Session&, frame::Frame&, const Run& run, double fps);
+RunQuality judgeRun(const Session&, frame::Frame&, const Run& run);
 
 /// How much of the scene there is, and how much of it the last picture of `frame` drew.
 Json countsOf(const Session&, const frame::Frame& frame);

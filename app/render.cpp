@@ -33,6 +33,7 @@ struct Options {
     fs::path out, json;
     std::size_t frames = 1;
     CameraPath path;
+    double seconds = 0;
     double fps = 60;
     std::optional<budget::Budget> budget;
     std::string controller = "yang";
@@ -234,6 +235,8 @@ Result<void> run(Options options) {
     if (!session) return tl::unexpected(session.error());
     const auto camera = resolveCamera(*session, options.view);
     if (!camera) return tl::unexpected(camera.error());
+    if (session->gpuScene->animated())
+        session->gpuScene->animate(static_cast<float>(options.seconds));
     options.settings.size = vk::Extent2D{static_cast<std::uint32_t>(options.view.size.width),
                                          static_cast<std::uint32_t>(options.view.size.height)};
     options.settings.maxScale = std::max(1.0f, options.levers.renderScale);
@@ -253,6 +256,7 @@ Result<void> run(Options options) {
     RunOptions runOptions{
         .frames = options.frames,
         .path = options.path,
+        .startSeconds = options.seconds,
         .fps = options.fps,
         .levers = options.levers,
         .samples = options.reference ? std::min<std::size_t>(options.frames, 12) : 0};
@@ -310,7 +314,7 @@ Result<void> run(Options options) {
             alone.temporal.mode = scale::TemporalMode::off;
             plain.emplace(*session->device, *session->gpuScene, alone);
         }
-        outcome.quality = judgeRun(*session, plain ? *plain : frame, outcome.run, options.fps);
+        outcome.quality = judgeRun(*session, plain ? *plain : frame, outcome.run);
         const auto written = writeReference(options.out, *outcome.quality,
                                             outcome.run.samples.back().picture, files);
         if (!written) return written;
@@ -364,6 +368,11 @@ void addRender(CLI::App& app, int& exitCode) {
     addParsed(*command, "--path", o->path, parsePath,
               "camera path: orbit[:DEGREES], dolly[:FRACTION] or a JSON file of cameras")
         ->type_name("PATH")
+        ->group("Run");
+    command
+        ->add_option("--time", o->seconds, "when in the animation the first frame is, in seconds")
+        ->type_name("S")
+        ->check(CLI::NonNegativeNumber)
         ->group("Run");
     command->add_option("--fps", o->fps, "frames a second of animation time")
         ->check(CLI::PositiveNumber)

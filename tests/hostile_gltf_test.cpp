@@ -70,7 +70,7 @@ TEST(HostileGltf, theSeedOfTheseTestsLoads) {
     EXPECT_EQ(scene->animations.size(), 1u);
     EXPECT_EQ(scene->cameras.size(), 1u);
     EXPECT_EQ(scene->lights.size(), 1u);
-    EXPECT_EQ(scene->meshes[0].vertices[2].position, glm::vec3(0.5f, 2, 1.5f));
+    EXPECT_EQ(scene->meshes[0].targets[0].position[2], glm::vec3(1, 2, 3));
 }
 
 // --- the validator's files ---------------------------------------------------------------------

@@ -10,9 +10,11 @@
 #include "lodestar/post/tonemap_params.h"
 #include "lodestar/scale/spatial_params.h"
 #include "lodestar/scale/temporal_params.h"
+#include "lodestar/scene/deform_params.h"
 #include "lodestar/scene/gpu_types.h"
 #include "lodestar/shading/coarse_params.h"
 #include "lodestar/shading/combine_params.h"
+#include "lodestar/shading/layer_params.h"
 #include "lodestar/shading/light_params.h"
 #include "lodestar/upsample/refine_params.h"
 #include "lodestar/upsample/upsample_params.h"
@@ -23,6 +25,7 @@
 #include "lodestar/visibility/expand_params.h"
 #include "lodestar/visibility/fragments_params.h"
 #include "lodestar/visibility/motion_params.h"
+#include "lodestar/visibility/peel_params.h"
 #include "lodestar/visibility/rebuild_params.h"
 #include "lodestar/visibility/sample_grid_params.h"
 #include "lodestar/visibility/view_params.h"
@@ -80,6 +83,10 @@ struct AllParams {
     SpatialParams spatial;
     CombineParams combine;
     MotionParams motion;
+    DeformParams deform;
+    DeformBoundsParams deformBounds;
+    PeelParams peel;
+    LayerParams layer;
     ShowLodsParams showLods;
     TemporalParams temporal;
     TemporalSourceParams temporalSource;
@@ -218,15 +225,23 @@ LS_NAMESPACE_END
     VISIT(p.spatial.step) VISIT(p.spatial.texelSize) VISIT(p.spatial.last) \
     VISIT(p.spatial.live) VISIT(p.spatial.size) VISIT(p.spatial.amount) VISIT(p.spatial.seed) \
     VISIT(p.combine.size) \
-    VISIT(p.motion.previousClipFromWorld) VISIT(p.motion.size) VISIT(p.showLods.scale) \
+    VISIT(p.motion.previousClipFromWorld) VISIT(p.motion.size) \
+    VISIT(p.motion.firstDeformed) \
+    VISIT(p.deform.firstVertex) VISIT(p.deform.vertexCount) VISIT(p.deform.firstRest) \
+    VISIT(p.deform.joints) VISIT(p.deform.firstInfluence) VISIT(p.deform.firstJoint) \
+    VISIT(p.deform.deltas) VISIT(p.deform.deltaRows) VISIT(p.deform.firstActive) \
+    VISIT(p.deform.activeCount) VISIT(p.deformBounds.firstMeshlet) \
+    VISIT(p.deformBounds.meshletCount) \
+    VISIT(p.peel.clipFromWorld) VISIT(p.peel.toOpaque) VISIT(p.peel.opaqueSize) \
+    VISIT(p.layer.size) VISIT(p.layer.fullSize) VISIT(p.layer.capacity) VISIT(p.showLods.scale) \
     VISIT(p.temporal.texelSize) VISIT(p.temporal.last) VISIT(p.temporal.live) \
     VISIT(p.temporal.jitter) VISIT(p.temporal.size) VISIT(p.temporal.falloff) \
-    VISIT(p.temporal.memory) VISIT(p.temporal.known) VISIT(p.temporal.moved) \
+    VISIT(p.temporal.memory) VISIT(p.temporal.known) VISIT(p.temporal.moved) VISIT(p.temporal.layered) \
     VISIT(p.temporalSource.texelSize) VISIT(p.temporalSource.last) \
     VISIT(p.temporalSource.live) VISIT(p.temporalSource.jitter) \
     VISIT(p.temporalSource.lastBefore) VISIT(p.temporalSource.liveBefore) \
     VISIT(p.temporalSource.jitterBefore) VISIT(p.temporalSource.size) \
-    VISIT(p.temporalSource.k) VISIT(p.temporalSource.known) \
+    VISIT(p.temporalSource.k) VISIT(p.temporalSource.known) VISIT(p.temporalSource.layered) \
     VISIT(p.temporalShow.size) VISIT(p.temporalShow.sharpness)
 // clang-format on
 

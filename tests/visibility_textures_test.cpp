@@ -254,24 +254,15 @@ TEST_F(TextureTest, alphaMasksHonourTheCutoff) {
     EXPECT_EQ(shown(device(), halves(material)), Shown(false, false));
 
     EXPECT_EQ(shown(device(), halves({})), Shown(true, true));  // opaque
-    // Blended surfaces are drawn as masked ones at 0.5, whatever their cutoff.
-    EXPECT_EQ(shown(device(), halves({.alphaMode = scene::AlphaMode::blend, .alphaCutoff = 0.9f})),
-              Shown(false, true));
+    // Blended surfaces only where they are opaque, whatever their cutoff.
+    EXPECT_EQ(shown(device(), halves({.alphaMode = scene::AlphaMode::blend, .alphaCutoff = 0.1f})),
+              Shown(false, false));
 }
 
 TEST_F(TextureTest, vertexAlphaCountsInMasks) {
     Scene scene = halves({.alphaMode = scene::AlphaMode::mask});
     for (scene::Vertex& v : scene.meshes[0].vertices) v.color.a = 0.5f;
     EXPECT_EQ(shown(device(), std::move(scene)), std::pair(false, false));
-}
-
-TEST_F(TextureTest, aSurfaceHalfOpaqueAllOverIsNotRiddled) {
-    const Camera camera{.eye = {1.5f, -1.2f, 1.8f}, .at = {0, 0, 0}, .verticalFov = 0.9f};
-    scene::Material material;
-    const Picture solid = View(device(), single(quad(), material)).draw(camera, {64, 48});
-    material.alphaMode = scene::AlphaMode::blend;
-    material.baseColor.a = 0.5f;
-    EXPECT_EQ(View(device(), single(quad(), material)).draw(camera, {64, 48}).ids, solid.ids);
 }
 
 }  // namespace

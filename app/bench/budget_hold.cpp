@@ -43,7 +43,7 @@ std::string traceCsv(const Run& run) {
 /// written.
 Result<void> judge(const Session& session, frame::Frame& frame, const Run& run,
                    const fs::path& stem, Json& row, std::vector<fs::path>& files) {
-    const RunQuality quality = judgeRun(session, frame, run, RunOptions().fps);
+    const RunQuality quality = judgeRun(session, frame, run);
     row["quality_frames"] = quality.frames.size();
     row["psnr_db"] = finiteOrNull(quality.median.psnrDb);
     row["psnr_worst_db"] = finiteOrNull(quality.worstPsnrDb);

@@ -12,6 +12,8 @@ add_library(lodestar STATIC
     gpu/raster.cpp
     gpu/readback.cpp
     gpu/recorder.cpp
+    scene/deform.cpp
+    scene/gpu_materials.cpp
     scene/gpu_scene.cpp
     geometry/cull.cpp
     geometry/hiz.cpp
@@ -24,10 +26,12 @@ add_library(lodestar STATIC
     visibility/expand.cpp
     visibility/fragments.cpp
     visibility/motion.cpp
+    visibility/peel.cpp
     visibility/rebuild.cpp
     visibility/sample_grid.cpp
     shading/coarse.cpp
     shading/combine.cpp
+    shading/layer.cpp
     upsample/pack_coarse.cpp
     upsample/refine.cpp
     upsample/repair.cpp
@@ -36,6 +40,7 @@ add_library(lodestar STATIC
     post/tonemap.cpp
     scale/spatial.cpp
     scale/temporal.cpp
+    frame/blended_layer.cpp
     frame/capture_frame.cpp
     frame/frame.cpp
     frame/frame_samples.cpp
@@ -51,6 +56,8 @@ target_link_libraries(lodestar
 target_precompile_headers(lodestar PRIVATE gpu/vulkan.hpp)
 lodestar_shaders(lodestar
     gpu/prefix_sum.comp
+    scene/deform.comp
+    scene/deform_bounds.comp
     geometry/compact.comp
     geometry/cull_chunks.comp
     geometry/cull_clusters.comp
@@ -79,12 +86,16 @@ lodestar_shaders(lodestar
     visibility/fragments.comp
     visibility/merge.comp
     visibility/motion.comp
+    visibility/peel.frag
     visibility/rebuild.comp
     visibility/sample_grid.comp
     visibility/resolve.comp
     shading/coarse.comp
     shading/coarse_listed.comp
     shading/combine.comp
+    shading/layer_blend.comp
+    shading/layer_list.comp
+    shading/layer_resolve.comp
     shading/repair_terms.comp
     upsample/pack_coarse.comp
     upsample/refine.comp

@@ -30,6 +30,9 @@ struct Levers {
     /// S: the frame is rendered at S·W × S·H and scaled to W × H; above 1 it is supersampled.
     float renderScale = 1;
 
+    /// Of the grid that blended surfaces are rendered on, of O along each axis: 0.25 … 1.
+    float layerScale = 1;
+
     /// The whole shading goes to grid S, not the expensive terms alone (the paper's full resizing).
     bool resizeAll = false;
 

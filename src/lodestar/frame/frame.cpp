@@ -44,6 +44,11 @@ std::vector<RateGroup> rateGroups(const budget::Levers& levers, float supersampl
     return groups;
 }
 
+void check(const budget::Levers& levers) {
+    if (!(levers.layerScale >= 0.25f && levers.layerScale <= 1))
+        throw std::invalid_argument("Levers::layerScale must be 0.25 … 1");
+}
+
 }  // namespace
 
 gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers& levers) {
@@ -56,6 +61,7 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
     }
     if ((levers.renderScale != 1 || options.maxScale > 1) && (reduction || levers.localRate > 0))
         throw std::invalid_argument("Levers::renderScale: not with supersample or a local rate");
+    check(levers);
     if (temporal && levers.resizeAll)
         throw std::invalid_argument("Levers::resizeAll leaves nothing to join pictures by");
     begin(camera, levers.renderScale, options.temporal.mode);
@@ -74,7 +80,7 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
         rec.barrier(Stage::compute, Stage::compute);
         showLods.record(rec, *scene, ids(), displayImage);
     }
-    return rec.submit();
+    return finish();
 }
 
 gpu::FrameTimes Frame::renderOutside(const scene::Camera& outside) {
@@ -90,7 +96,7 @@ gpu::FrameTimes Frame::renderOutside(const scene::Camera& outside) {
         rec.barrier(Stage::compute, Stage::compute);
         showLods.record(rec, *scene, ids(), displayImage);
     }
-    return rec.submit();
+    return finish();
 }
 
 gpu::FrameTimes Frame::rebuild(const visibility::CompactRecord& from, const scene::Camera& camera,
@@ -100,6 +106,7 @@ gpu::FrameTimes Frame::rebuild(const visibility::CompactRecord& from, const scen
         rebuild(from, camera, {});
         meter();
     }
+    check(levers);
     if (!rebuilding || rebuilding->side != from.side)
         rebuilding = Rebuilding{from.side, {*device, from.side}};
     begin(camera, levers.renderScale, scale::TemporalMode::off);
@@ -107,7 +114,7 @@ gpu::FrameTimes Frame::rebuild(const visibility::CompactRecord& from, const scen
     rec.barrier(Stage::compute, Stage::compute);
     if (tracker) tracker->record(rec, *scene, ids(), viewBuffer, steadyClipFromWorld(camera));
     shade(levers);
-    return rec.submit();
+    return finish();
 }
 
 void Frame::begin(const scene::Camera& camera, float renderScale, scale::TemporalMode mode) {
@@ -119,6 +126,7 @@ void Frame::begin(const scene::Camera& camera, float renderScale, scale::Tempora
     const glm::vec2 grid(live.width, live.height);
     jitter = 2.0f * scale::jitterOf(mode, pictures++, renderScale) / grid;
     textureScale = scale::textureScaleOf(mode, renderScale);
+    submitted = {};
     rec.begin();
     lightMaps.update(rec, *scene, cull, camera, aspect);
     writeUniforms(camera);
@@ -127,6 +135,7 @@ void Frame::begin(const scene::Camera& camera, float renderScale, scale::Tempora
 void Frame::shade(const budget::Levers& levers) {
     if (levers.resizeAll && levers.shadingRate > 1) {
         shadeOnGridS(levers.shadingRate * static_cast<float>(options.supersample));
+        blendLayer(levers.layerScale);
         show();
         return;
     }
@@ -139,7 +148,23 @@ void Frame::shade(const budget::Levers& levers) {
                    {viewBuffer, lightBuffer, surfaces.depth, surfaces.material, surfaces.emissive,
                     termImage, skyImage, scene->lights},
                    radiance());
+    blendLayer(levers.layerScale);
     show();
+}
+
+void Frame::blendLayer(float scale) {
+    if (!layer) return;
+    rec.barrier(Stage::compute, Stage::compute);
+    submitted.precede(
+        layer->blend(rec, *scene, cull,
+                     {rebuildPass, coarse, combine, lightMaps, viewBuffer, lightBuffer, skyImage},
+                     {depth(), radiance(), scale, textureScale, options.lod}));
+}
+
+gpu::FrameTimes Frame::finish() {
+    gpu::FrameTimes times = rec.submit();
+    times.precede(submitted);
+    return times;
 }
 
 /// From the radiance on grid O to the picture.
@@ -168,6 +193,7 @@ void Frame::show() {
                       .depth = surfaces.depth,
                       .terms = termImage,
                       .material = surfaces.material,
+                      .layer = layer ? &layer->coverage() : nullptr,
                       .live = live,
                       .jitter = jitter * glm::vec2(live.width, live.height) * 0.5f,
                       .moved = tracker->moved()},
@@ -196,7 +222,7 @@ void Frame::shadeOnGridS(float rate) {
                    onS(whole->radiance));
     // Conventional resizing has no guides and needs no depth and normal of O.
     const bool guided = upsample.guided();
-    if (guided) whole->guides.record(rec, *scene, {this->ids(), viewBuffer}, surfaces);
+    if (guided || layer) whole->guides.record(rec, *scene, {this->ids(), viewBuffer}, surfaces);
     rec.barrier(Stage::compute, Stage::compute);
     whole->pack.record(rec, {onS(whole->radiance), surface.depth, surface.normal}, coarseImage);
     rec.barrier(Stage::compute, Stage::compute);

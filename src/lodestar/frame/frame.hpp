@@ -5,6 +5,7 @@
 #include <optional>
 
 #include <lodestar/budget/levers.hpp>
+#include <lodestar/frame/blended_layer.hpp>
 #include <lodestar/frame/capture_frame.hpp>
 #include <lodestar/frame/light_maps.hpp>
 #include <lodestar/frame/motion_tracker.hpp>
@@ -116,6 +117,8 @@ public:
     std::uint32_t refinedTexels() const;
     /// See geometry::Tessellate::coarsenedBy(). Waits for the device.
     float refinementCoarsened() const;
+    /// Blended surfaces of the last frame, one behind the other, that were shaded.
+    std::uint32_t blendedFragments() const { return layer ? layer->fragmentCount() : 0; }
     /// N of the sun's filter from the next frame on, where there is a shadow: a change of load.
     /// Throws std::invalid_argument outside 1 … 64.
     void setShadowTaps(std::uint32_t taps);
@@ -133,6 +136,10 @@ private:
     void begin(const scene::Camera&, float renderScale, scale::TemporalMode);
     gpu::FrameTimes renderSamples(const scene::Camera&);
     void shade(const budget::Levers&);
+    /// Blended surfaces over the radiance, where the scene has them.
+    void blendLayer(float scale);
+    /// Submits what is recorded of the picture; the times are those of all of it.
+    gpu::FrameTimes finish();
     /// From radiance on grid O to the display.
     void show();
     void evaluateTerms(const budget::Levers&);
@@ -213,6 +220,8 @@ private:
         displayImage;
     visibility::Surface surfaces;
 
+    std::optional<BlendedLayer> layer;
+    gpu::FrameTimes submitted;  ///< of this picture, before what is being recorded
     std::optional<MotionTracker> tracker;
     std::optional<scale::Temporal> temporal;
     scale::TemporalMode joining = scale::TemporalMode::off;  ///< of this frame

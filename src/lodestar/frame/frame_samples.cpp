@@ -100,12 +100,10 @@ gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
         fragments.recordResolve(rec, more(smooth->radiance), set, radianceImage);
         rec.barrier(Stage::compute, Stage::compute);
     }
+    submitted = first;
+    blendLayer(1);
     show();
-    gpu::FrameTimes times = rec.submit();
-    times.gpuMs += first.gpuMs;
-    times.wallMs += first.wallMs;
-    times.passes.insert(times.passes.begin(), first.passes.begin(), first.passes.end());
-    return times;
+    return finish();
 }
 
 }  // namespace lodestar::frame

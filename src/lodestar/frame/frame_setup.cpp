@@ -165,6 +165,7 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       displayImage(target(owner, shown, vk::Format::eR8G8B8A8Unorm, "display", Usage::eStorage)),
       surfaces(owner, room),
       rec(owner) {
+    if (gpuScene.features().blended) layer.emplace(owner, gpuScene, room);
     const bool joins = s.temporal.mode != scale::TemporalMode::off;
     if (s.motion || joins) tracker.emplace(owner, gpuScene, room);
     if (joins) temporal.emplace(owner, room, s.size, s.temporal);

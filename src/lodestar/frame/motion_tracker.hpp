@@ -27,7 +27,7 @@ public:
 private:
     visibility::Motion pass;
     gpu::Image image;
-    gpu::TexelBuffer instances;  // a frame ago
+    gpu::TexelBuffer instances, vertices;  // a frame ago; vertices that deform
     glm::mat4 previousClip{1};
     std::uint64_t version = 0;  // of the instances
     bool known = false, anyMoved = false;

@@ -148,8 +148,15 @@ void Recorder::fill(const Buffer& buffer, std::uint32_t value) {
     commands.fillBuffer(buffer.vk(), 0, VK_WHOLE_SIZE, value);
 }
 
-void Recorder::copy(const Buffer& from, const Buffer& to, std::uint64_t bytes) {
-    commands.copyBuffer(from.vk(), to.vk(), vk::BufferCopy{.size = bytes});
+void Recorder::copy(const Buffer& from, const Buffer& to, std::uint64_t bytes,
+                    std::uint64_t fromOffset) {
+    commands.copyBuffer(from.vk(), to.vk(), vk::BufferCopy{.srcOffset = fromOffset, .size = bytes});
+}
+
+void FrameTimes::precede(const FrameTimes& before) {
+    gpuMs += before.gpuMs;
+    wallMs += before.wallMs;
+    passes.insert(passes.begin(), before.passes.begin(), before.passes.end());
 }
 
 FrameTimes Recorder::submit() {

@@ -21,6 +21,9 @@ struct FrameTimes {
     double gpuMs = 0;   ///< first to last timestamp; wall time where the queue has no timestamps
     double wallMs = 0;  ///< submission to completion, on the CPU's clock
     std::vector<PassTime> passes;
+
+    /// Adds what was done before this.
+    void precede(const FrameTimes& before);
 };
 
 /// Records one frame at a time: passes with a debug label and a GPU timestamp each, dispatches,
@@ -107,7 +110,9 @@ public:
         static_assert(std::is_trivially_copyable_v<Value> && sizeof(Value) % 4 == 0);
         commands.updateBuffer<Value>(buffer.vk(), 0, value);
     }
-    void copy(const Buffer& from, const Buffer& to, std::uint64_t bytes);
+    /// To the start of `to`.
+    void copy(const Buffer& from, const Buffer& to, std::uint64_t bytes,
+              std::uint64_t fromOffset = 0);
 
     const vk::raii::CommandBuffer& vk() const { return commands; }
     const Device& device() const { return *owner; }

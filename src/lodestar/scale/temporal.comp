@@ -11,9 +11,10 @@ layout(binding = 2) uniform sampler2D depth;
 layout(binding = 3) uniform sampler2D terms;
 layout(binding = 4) uniform usampler2D material;
 layout(binding = 5) uniform sampler2D history;  // rgb, a: the weight of the samples in it
-layout(binding = 6) uniform sampler2D guide;    // depth, instance, sun of what it shows
+layout(binding = 6) uniform sampler2D guide;    // depth, instance, sun of what it shows; layer
 layout(binding = 7, rgba16f) writeonly uniform image2D outHistory;
 layout(binding = 8, rgba32f) writeonly uniform image2D outGuide;
+layout(binding = 9) uniform sampler2D layer;  // share of blended surfaces
 layout(push_constant, scalar) uniform Push { TemporalParams params; };
 
 #include "edge_adaptive.glsl"
@@ -24,6 +25,7 @@ const float kSunSlack = 0.15;       // change of the sun's share that is shading
 const float kShiny = 0.4;           // roughness below which reflections are seen to move
 const float kEnough = 1;            // weight of samples that need no reconstruction beside them
 const float kMovingMemory = 0.12;   // of the memory, where resampling blurs it
+const float kLayerFades = 0.5;      // a frame: beside its edge it still passes for what is here
 const float kMovingFalloff = 0.5;   // of the kernel's, where few frames are left to fill it
 
 /// What the texel and its four neighbours show: what a place in the history must be one of.
@@ -123,7 +125,8 @@ void main() {
     const vec2 safe = clamp(place, vec2(0.5), outSize - 0.5);
     const vec2 base = floor(safe - 0.5), f = safe - 0.5 - base;
     vec4 loose = vec4(0);
-    float matched = 0, sunThen = 0;
+    float matched = 0, sunThen = 0, layerThen = 0;
+    const bool remembers = params.known != 0 && params.layered != 0;
     bool all4 = true;
     for (int i = 0; i < 4; ++i) {
         const ivec2 corner = ivec2(i & 1, i >> 1);
@@ -131,6 +134,7 @@ void main() {
         const vec4 then = texelFetch(guide, tap, 0);
         const vec2 share = mix(1 - f, f, vec2(corner));
         const float w = share.x * share.y;
+        layerThen = max(layerThen, w > 0.01 && remembers ? then.w : 0);
         // Where nothing moved at all nothing can have been uncovered.
         const bool same = params.moved == 0 || mayBlend(then, around);
         all4 = all4 && (same || w < 0.01);
@@ -151,9 +155,14 @@ void main() {
         sunThen < around.sunLow - kSunSlack || sunThen > around.sunHigh + kSunSlack;
     const float roughness = unpackUnorm4x8(texelFetch(material, texel, 0).y).x;
     const bool reflectionMoved = params.moved != 0 && moved.w > 0 && roughness < kShiny;
-    if (shadowMoved || reflectionMoved) before.rgb = clamp(before.rgb, around.low, around.high);
+    // Nor where blended surfaces show or did, which move otherwise than what is behind them: they
+    // are not in the motion.
+    const float layerNow = params.layered != 0 ? texelFetch(layer, texel, 0).x : 0;
+    const float ofLayer = params.moved != 0 ? max(layerNow, layerThen) : 0;
+    const bool layerMoved = ofLayer > 0.004;
+    if (shadowMoved || reflectionMoved || layerMoved) before.rgb = clamp(before.rgb, around.low, around.high);
 
-    const float memory = params.memory * (travels ? kMovingMemory : 1);
+    const float memory = params.memory * (travels ? kMovingMemory : 1) * (1 - ofLayer);
     // Until samples have gathered, this frame's own reconstruction stands for those to come.
     const float old = kept ? min(max(before.a, 0), memory) : 0;
     const float ahead = max(kEnough - old, 0);
@@ -161,5 +170,5 @@ void main() {
                      (ahead > 0 ? edgeAdaptiveAt(at) * ahead : vec3(0));
     const vec4 joined = vec4(sum / (old + weight + ahead), old + weight);
     imageStore(outHistory, pixel, joined);
-    imageStore(outGuide, pixel, vec4(texelFetch(depth, texel, 0).x, moved.w, sun, 0));
+    imageStore(outGuide, pixel, vec4(texelFetch(depth, texel, 0).x, moved.w, sun, max(layerNow, kLayerFades * layerThen)));
 }

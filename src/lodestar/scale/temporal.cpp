@@ -47,10 +47,11 @@ gpu::Kernel makeKernel(const gpu::Device& device, const TemporalOptions& o) {
                 "temporal, source",
                 kSourceCode,
                 {Slot::sampledImage, Slot::sampledImage, Slot::sampledImage, Slot::sampledImage,
-                 Slot::storageImage},
+                 Slot::storageImage, Slot::sampledImage, Slot::sampledImage},
                 sizeof(shared::TemporalSourceParams)};
     std::vector<gpu::SlotArray> slots(7, Slot::sampledImage);
     slots.insert(slots.end(), 2, Slot::storageImage);
+    slots.push_back(Slot::sampledImage);
     return {device, "temporal", kCode, slots, sizeof(shared::TemporalParams)};
 }
 
@@ -118,6 +119,9 @@ Temporal::Temporal(const gpu::Device& device, vk::Extent2D room, vk::Extent2D ou
       guides(isSource(o)
                  ? images(device, 1, "motion before", vk::Format::eR32G32B32A32Sfloat, room)
                  : images(device, 2, "history guide", vk::Format::eR32G32B32A32Sfloat, outSize)) {
+    if (isSource(o))
+        guides.push_back(
+            std::move(images(device, 1, "layer before", vk::Format::eR32Sfloat, room).front()));
     if (!isSource(o))
         show.emplace(device, "sharpen", kShowCode,
                      std::vector<gpu::SlotArray>{Slot::sampledImage, Slot::storageImage},
@@ -143,7 +147,9 @@ void Temporal::recordSource(gpu::Recorder& rec, const Inputs& in, gpu::View outp
                   {colors[0], linearSampler},
                   {in.motion, pointSampler},
                   {guides[0], pointSampler},
-                  output},
+                  output,
+                  {in.layer ? in.layer->view() : in.motion, pointSampler},
+                  {guides[1], pointSampler}},
                  shared::TemporalSourceParams{.texelSize = 1.0f / vec(room),
                                               .last = lastRead(in.live, room),
                                               .live = vec(in.live),
@@ -153,10 +159,12 @@ void Temporal::recordSource(gpu::Recorder& rec, const Inputs& in, gpu::View outp
                                               .jitterBefore = jitterBefore,
                                               .size = {size.width, size.height},
                                               .k = options.k,
-                                              .known = known});
+                                              .known = known,
+                                              .layered = in.layer && in.moved});
     rec.barrier(Stage::compute, Stage::transfer);
     copyPart(rec, in.color, colors[0], in.live);
     copyPart(rec, in.motion, guides[0], in.live);
+    if (in.layer) copyPart(rec, *in.layer, guides[1], in.live);
     rec.barrier(Stage::transfer, Stage::compute);
 }
 
@@ -175,7 +183,8 @@ void Temporal::recordOurs(gpu::Recorder& rec, const Inputs& in, gpu::View output
              {colors[older], linearSampler},
              {guides[older], pointSampler},
              colors[newest],
-             guides[newest]},
+             guides[newest],
+             {in.layer ? in.layer->view() : in.depth, pointSampler}},
             shared::TemporalParams{.texelSize = 1.0f / vec(in.color.extent),
                                    .last = lastRead(in.live, in.color.extent),
                                    .live = vec(in.live),
@@ -184,7 +193,8 @@ void Temporal::recordOurs(gpu::Recorder& rec, const Inputs& in, gpu::View output
                                    .falloff = 1.44269504f / (2 * options.width * options.width),
                                    .memory = options.memory,
                                    .known = known,
-                                   .moved = in.moved});
+                                   .moved = in.moved,
+                                   .layered = in.layer != nullptr});
     }
     rec.barrier(Stage::compute, Stage::compute);
     const auto pass = rec.pass("sharpen");

@@ -47,11 +47,14 @@ public:
     Temporal(const gpu::Device&, vk::Extent2D room, vk::Extent2D size, const TemporalOptions&);
 
     struct Inputs {
-        gpu::View color;      ///< RGBA8_UNORM, sampled, of the extent `room`: after tone mapping
-        gpu::View motion;     ///< RGBA32_SFLOAT: visibility::Motion
-        gpu::View depth;      ///< R32_SFLOAT: linear view depth, 0 = background
-        gpu::View terms;      ///< RGBA16_SFLOAT, x: share of the sun seen
-        gpu::View material;   ///< RGBA32_UINT: visibility::Surface
+        gpu::View color;     ///< RGBA8_UNORM, sampled, of the extent `room`: after tone mapping
+        gpu::View motion;    ///< RGBA32_SFLOAT: visibility::Motion
+        gpu::View depth;     ///< R32_SFLOAT: linear view depth, 0 = background
+        gpu::View terms;     ///< RGBA16_SFLOAT, x: share of the sun seen
+        gpu::View material;  ///< RGBA32_UINT: visibility::Surface
+        /// R32_SFLOAT: how much of what a texel shows is of blended surfaces, whose motion is not
+        /// known; none: there are none.
+        const gpu::Image* layer = nullptr;
         vk::Extent2D live;    ///< the part of them in use
         glm::vec2 jitter{0};  ///< of this frame [texels]
         bool moved = true;    ///< the camera or an instance moved since the last record

@@ -14,6 +14,7 @@ struct TemporalParams {
     float memory;    // most weight that the history may have
     uint known;      // there is a history
     uint moved;      // the camera or an instance moved since the last frame
+    uint layered;    // there is a blended layer
 };
 
 /// The source's mode: this frame and the one before.
@@ -23,6 +24,7 @@ struct TemporalSourceParams {
     uvec2 size;  // of the output
     float k;     // share of the frame before that a pixel of motion takes away
     uint known;
+    uint layered;  // there is a blended layer, and something moved
 };
 
 struct TemporalShowParams {

@@ -10,6 +10,8 @@ layout(binding = 1) uniform sampler2D before;
 layout(binding = 2) uniform sampler2D motionNow;
 layout(binding = 3) uniform sampler2D motionBefore;
 layout(binding = 4, rgba8) writeonly uniform image2D outPicture;
+layout(binding = 5) uniform sampler2D layerNow;  // share of blended surfaces
+layout(binding = 6) uniform sampler2D layerBefore;
 layout(push_constant, scalar) uniform Push { TemporalSourceParams params; };
 
 /// Pixels of the output that what is seen at a place moved.
@@ -30,6 +32,13 @@ void main() {
         textureLod(before, clamp(atBefore, vec2(0), params.lastBefore) * params.texelSize, 0).rgb;
     const float fastest = max(speed(motionNow, at, params.live),
                               speed(motionBefore, atBefore, params.liveBefore));
-    const float weight = params.known != 0 ? clamp(1 - params.k * fastest, 0, 1) : 0;
+    // Blended surfaces move otherwise than what is behind them: where they show, or did.
+    float ofLayer = 0;
+    if (params.layered != 0)
+        ofLayer = max(
+            texelFetch(layerNow, ivec2(clamp(at, vec2(0), params.live - 1)), 0).x,
+            texelFetch(layerBefore, ivec2(clamp(atBefore, vec2(0), params.liveBefore - 1)), 0).x);
+    const float weight =
+        params.known != 0 ? clamp(1 - params.k * fastest, 0, 1) * (1 - ofLayer) : 0;
     imageStore(outPicture, ivec2(pixel), vec4((color + weight * old) / (1 + weight), 1));
 }

@@ -11,9 +11,10 @@ namespace {
 void check(const Displacement& d, const Mesh& mesh) {
     const auto sound = [](float v) { return std::isfinite(v); };
     if (!sound(d.amplitude) || d.amplitude < 0 || !sound(d.wavelength) || !(d.wavelength > 0) ||
-        d.octaves < 1 || d.octaves > shared::LS_TESS_LEVELS)
-        throw std::invalid_argument("Mesh::displacement of '" + mesh.name +
-                                    "': amplitude >= 0, wavelength > 0 and 1 ... 3 octaves");
+        d.octaves < 1 || d.octaves > shared::LS_TESS_LEVELS || mesh.deforms())
+        throw std::invalid_argument(
+            "Mesh::displacement of '" + mesh.name +
+            "': amplitude >= 0, wavelength > 0, 1 ... 3 octaves, and no joints or targets");
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 #include <lodestar/shared/octahedral.h>
 #include <lodestar/gpu/readback.hpp>
 #include <lodestar/scene/displaced_meshes.hpp>
+#include <lodestar/scene/gpu_materials.hpp>
 #include <lodestar/scene/meshlets.hpp>
 #include <lodestar/scene/texture_arrays.hpp>
 
@@ -17,11 +18,9 @@ using shared::GpuCluster;
 using shared::GpuInstance;
 using shared::GpuLight;
 using shared::GpuLod;
-using shared::GpuMaterial;
 using shared::GpuMaterialRecord;
 using shared::GpuMesh;
 using shared::GpuMeshlet;
-using shared::GpuTextureTransform;
 using shared::GpuTriangle;
 using shared::GpuVertex;
 using shared::GpuVertexAttributes;
@@ -46,6 +45,11 @@ struct GpuScene::Packed {
     std::size_t lodsMost = 1;
     DisplacedMeshes displaced;
 
+    std::vector<std::uint32_t> meshOf;
+    std::vector<Deform::Part> deforming;
+    std::uint32_t firstDeformed = 0, firstDeformedMeshlet = 0;
+
+    void addMeshes(const Scene&, const std::vector<MeshLods>&);
     void add(const Mesh&, const Material&, const MeshLods&);
     void arrange(const Scene&);
     void makePlaces();
@@ -54,81 +58,6 @@ struct GpuScene::Packed {
 namespace {
 
 constexpr auto kWords = vk::Format::eR32G32B32A32Uint;
-
-std::uint32_t packUse(const TextureUse& use, const Scene& scene, const TextureArrays& arrays) {
-    if (use.texture == kNone) return shared::LS_NO_TEXTURE;
-    const auto wrap = [](Wrap w) {
-        return w == Wrap::repeat           ? shared::LS_WRAP_REPEAT
-               : w == Wrap::mirroredRepeat ? shared::LS_WRAP_MIRROR
-                                           : shared::LS_WRAP_CLAMP;
-    };
-    const Texture& texture = scene.textures[use.texture];
-    const TextureSlot slot = arrays.slotOf[use.texture];
-    const bool transformed = use.transform != glm::mat3x2(1, 0, 0, 1, 0, 0);
-    const std::uint32_t reading = wrap(texture.wrapU) | wrap(texture.wrapV) << 2 |
-                                  (texture.nearest ? shared::LS_READ_NEAREST : 0) |
-                                  (use.uvSet == 1 ? shared::LS_READ_UV1 : 0) |
-                                  (transformed ? shared::LS_READ_TRANSFORMED : 0);
-    return slot.array | slot.layer << shared::LS_LAYER_SHIFT | reading << shared::LS_READING_SHIFT;
-}
-
-GpuTextureTransform packTransform(const TextureUse& use) {
-    const glm::mat3x2& m = use.transform;
-    return {.uRow = {m[0][0], m[1][0], m[2][0], 0}, .vRow = {m[0][1], m[1][1], m[2][1], 0}};
-}
-
-// Blended surfaces are drawn as masked ones until there is a pass for them. A little below one
-// half, so that rounding does not riddle those that are half opaque all over.
-constexpr float kBlendCutoff = 0.5f - 1.0f / 512;
-
-GpuMaterialRecord pack(const Material& m, const Scene& scene, const TextureArrays& arrays) {
-    const bool masked = m.alphaMode != AlphaMode::opaque;
-    return {
-        .material = {.baseColor = m.baseColor,
-                     .emissive = m.emissive,
-                     .flags = (masked ? shared::LS_MATERIAL_MASK : 0) |
-                              (m.doubleSided ? shared::LS_MATERIAL_DOUBLE_SIDED : 0) |
-                              (m.unlit ? shared::LS_MATERIAL_UNLIT : 0),
-                     .metallic = m.metallic,
-                     .roughness = m.roughness,
-                     .normalScale = m.normalScale,
-                     .occlusionStrength = m.occlusionStrength,
-                     .baseColorTexture = packUse(m.baseColorTexture, scene, arrays),
-                     .normalTexture = packUse(m.normalTexture, scene, arrays),
-                     .metallicRoughnessTexture = packUse(m.metallicRoughnessTexture, scene, arrays),
-                     .occlusionTexture = packUse(m.occlusionTexture, scene, arrays),
-                     .emissiveTexture = packUse(m.emissiveTexture, scene, arrays),
-                     .alphaCutoff = m.alphaMode == AlphaMode::blend ? kBlendCutoff : m.alphaCutoff},
-        .transforms = {packTransform(m.baseColorTexture), packTransform(m.normalTexture),
-                       packTransform(m.metallicRoughnessTexture), packTransform(m.occlusionTexture),
-                       packTransform(m.emissiveTexture)}};
-}
-
-SceneFeatures featuresOf(const std::vector<GpuMaterialRecord>& materials) {
-    SceneFeatures f;
-    bool occlusionApart = false;
-    const auto place = [](std::uint32_t use) { return use & 0xffff; };  // array and layer
-    for (const auto& [m, transforms] : materials) {
-        const auto note = [&](std::uint32_t use, std::uint32_t& arrays) {
-            if (use == shared::LS_NO_TEXTURE) return;
-            arrays |= 1u << (use & shared::LS_ARRAY_MASK);
-            const std::uint32_t reading = use >> shared::LS_READING_SHIFT;
-            f.uvTransforms |= reading != 0;
-            f.secondUvs |= (reading & shared::LS_READ_UV1) != 0;
-        };
-        note(m.baseColorTexture, f.baseColorArrays);
-        note(m.normalTexture, f.normalArrays);
-        note(m.metallicRoughnessTexture, f.metallicRoughnessArrays);
-        note(m.occlusionTexture, f.occlusionArrays);
-        note(m.emissiveTexture, f.emissiveArrays);
-        occlusionApart |= m.occlusionTexture != shared::LS_NO_TEXTURE &&
-                          place(m.occlusionTexture) != place(m.metallicRoughnessTexture);
-        f.emissive |= m.emissive != glm::vec3(0);
-        f.unlit |= (m.flags & shared::LS_MATERIAL_UNLIT) != 0;
-    }
-    f.occlusionShared = f.occlusionArrays != 0 && !occlusionApart;
-    return f;
-}
 
 DrawBin binOf(const Material& material) {
     if (material.alphaMode == AlphaMode::opaque)
@@ -159,6 +88,38 @@ gpu::Image uploadTextures(const gpu::Device& device, const TextureArray& array, 
 }
 
 }  // namespace
+
+/// The meshes, then those of instances that deform once more each: what shows the scene finds
+/// their vertices in place like all others.
+void GpuScene::Packed::addMeshes(const Scene& scene, const std::vector<MeshLods>& chains) {
+    const auto count = static_cast<std::uint32_t>(scene.instances.size());
+    std::vector<bool> shared(scene.meshes.size());
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const Instance& instance = scene.instances[i];
+        meshOf.push_back(instance.mesh);
+        if (scene::deforms(scene, instance))
+            deforming.push_back({.instance = i, .firstVertex = 0});
+        else
+            shared[instance.mesh] = true;
+    }
+    const auto addOne = [&](std::uint32_t mesh) {
+        add(scene.meshes[mesh], scene.materials[scene.meshes[mesh].material], chains[mesh]);
+    };
+    static const Mesh kNothing;
+    for (std::uint32_t i = 0; i < scene.meshes.size(); ++i) {
+        if (shared[i] || deforming.empty())
+            addOne(i);
+        else
+            add(kNothing, scene.materials[scene.meshes[i].material], {});
+    }
+    firstDeformed = static_cast<std::uint32_t>(vertices.size());
+    firstDeformedMeshlet = static_cast<std::uint32_t>(meshlets.size());
+    for (Deform::Part& part : deforming) {
+        part.firstVertex = static_cast<std::uint32_t>(vertices.size());
+        meshOf[part.instance] = static_cast<std::uint32_t>(meshes.size());
+        addOne(scene.instances[part.instance].mesh);
+    }
+}
 
 void GpuScene::Packed::add(const Mesh& mesh, const Material& material, const MeshLods& chain) {
     const auto number = [](std::size_t n) { return static_cast<std::uint32_t>(n); };
@@ -221,7 +182,7 @@ void GpuScene::Packed::arrange(const Scene& scene) {
     std::vector<std::pair<std::uint32_t, std::uint32_t>> keys(count);  // bin and place, instance
     for (std::uint32_t i = 0; i < count; ++i) {
         const Instance& instance = scene.instances[i];
-        const GpuMesh& mesh = meshes[instance.mesh];
+        const GpuMesh& mesh = meshes[meshOf[i]];
         const glm::vec3 at(worldFromNodes[instance.node] * instance.nodeFromObject *
                            glm::vec4(mesh.centre, 1));
         const glm::vec3 cell = (at - box.lower) * scale;
@@ -253,7 +214,7 @@ void GpuScene::Packed::arrange(const Scene& scene) {
     clusters.push_back({});
     wholeBins.fill(1);
     for (const std::uint32_t i : order) {
-        const GpuMesh& mesh = meshes[scene.instances[i].mesh];
+        const GpuMesh& mesh = meshes[meshOf[i]];
         const GpuLod& lod = lods[mesh.firstLod];
         for (std::uint32_t m = lod.firstMeshlet; m < lod.firstMeshlet + lod.meshletCount; ++m) {
             if (clusters.size() > kMaxVisibleClusters) break;
@@ -279,6 +240,8 @@ void GpuScene::Packed::makePlaces() {
     meshlets.resize(meshlets.size() + places);
 }
 
+namespace {
+
 Relief makeRelief(const gpu::Device& device, const DisplacedMeshes& of, std::size_t vertices,
                   std::size_t triangles, std::size_t meshlets) {
     const auto places = static_cast<std::uint32_t>(of.places);
@@ -296,6 +259,8 @@ Relief makeRelief(const gpu::Device& device, const DisplacedMeshes& of, std::siz
         .capacity = places};
 }
 
+}  // namespace
+
 GpuScene::GpuScene(const gpu::Device& device, const Scene& scene,
                    const std::function<void(const char*, int, int)>& progress,
                    const LodSettings& settings)
@@ -311,16 +276,14 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene,
               buildSceneLods(scene, settings, [&](int done, int of) {
                   if (progress) progress("levels of detail", done, of);
               });
-          for (std::size_t i = 0; i < scene.meshes.size(); ++i)
-              packed.add(scene.meshes[i], scene.materials[scene.meshes[i].material], chains[i]);
+          packed.addMeshes(scene, chains);
           packed.arrange(scene);
           packed.displaced = findDisplaced(scene, packed.meshes, packed.lods);
           packed.makePlaces();
 
           say("textures", 0, scene.textures.size());
           packed.textures = buildTextureArrays(scene);
-          for (const Material& m : scene.materials)
-              packed.materials.push_back(pack(m, scene, packed.textures));
+          packed.materials = packMaterials(scene, packed.textures);
           packed.features = featuresOf(packed.materials);
           for (const Light& light : scene.lights)
               packed.features.punctualLights |= light.kind != LightKind::directional;
@@ -353,6 +316,9 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene, Packed&& packe
       displacedOf(std::move(packed.displaced.ofInstance)),
       wholeBins(packed.wholeBins),
       chunkSpans(std::move(packed.chunkSpans)),
+      meshOf(std::move(packed.meshOf)),
+      deformedFrom(packed.firstDeformed),
+      verticesStored(relief.firstVertex),
       clustersDrawn(packed.clustersDrawn),
       trianglesDrawn(packed.trianglesDrawn),
       lodsMost(packed.lodsMost) {
@@ -364,27 +330,49 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene, Packed&& packe
         textureArrays.push_back(uploadTextures(device, white, 0));
     }
     clusters.buffer().upload(packed.clusters);
+    if (!packed.deforming.empty()) {
+        const std::uint32_t first = packed.firstDeformedMeshlet;
+        deform =
+            std::make_unique<Deform>(device, scene, packed.deforming, first,
+                                     static_cast<std::uint32_t>(packed.meshlets.size()) - first);
+        packedMeshes = std::move(packed.meshes);
+    }
     animate(0);
 }
 
-void GpuScene::animate(float seconds) {
-    std::vector<glm::mat4> now = worldFromNode(*source, seconds);
-    if (now == worldFromNodes) return;
-    worldFromNodes = std::move(now);
-    worldBox = worldBounds(*source, worldFromNodes);
+gpu::FrameTimes GpuScene::animate(float seconds) {
+    Pose now = poseAt(*source, seconds);
+    if (now == pose && changes > 0) return {};
+    pose = std::move(now);
+    worldBox = worldBounds(*source, pose);
     instances.buffer().upload(packInstances());
     chunks.buffer().upload(packChunks());
     const auto packedLights = packLights();
     lightsUsed = static_cast<std::uint32_t>(packedLights.size());
     lights.upload(packedLights);
     ++changes;
+    if (!deform) return {};
+    moveSpheres();
+    return deform->run(*source, pose, {vertices, attributes, triangles, meshlets});
+}
+
+void GpuScene::moveSpheres() {
+    for (std::size_t i = 0; i < meshOf.size(); ++i) {
+        const Instance& instance = source->instances[i];
+        if (meshOf[i] == instance.mesh) continue;
+        const Bounds box = objectBounds(*source, instance, pose);
+        const glm::vec3 centre = box.empty() ? glm::vec3(0) : box.centre();
+        packedMeshes[meshOf[i]].centre = centre;
+        packedMeshes[meshOf[i]].radius = box.radius() * (1 + 1e-5f) + 1e-6f * glm::length(centre);
+    }
+    meshes.buffer().upload(packedMeshes);
 }
 
 std::vector<GpuInstance> GpuScene::packInstances() const {
     std::vector<GpuInstance> packed;
     packed.reserve(source->instances.size());
     for (const Instance& instance : source->instances) {
-        const glm::mat4 m = worldFromNodes[instance.node] * instance.nodeFromObject;
+        const glm::mat4 m = pose.worldFromNode[instance.node] * instance.nodeFromObject;
         const glm::mat4 rows = glm::transpose(m);
         const glm::vec3 scale{glm::length(glm::vec3(m[0])), glm::length(glm::vec3(m[1])),
                               glm::length(glm::vec3(m[2]))};
@@ -405,9 +393,11 @@ std::vector<GpuInstance> GpuScene::packInstances() const {
              .row1 = rows[1],
              .row2 = rows[2],
              .maxScale = bound,
-             .flags = (glm::determinant(linear) < 0 ? shared::LS_INSTANCE_REFLECTED : 0) |
-                      (uniform ? shared::LS_INSTANCE_CONE_VALID : 0),
-             .mesh = instance.mesh,
+             .flags =
+                 (glm::determinant(linear) < 0 ? shared::LS_INSTANCE_REFLECTED : 0) |
+                 (uniform && !scene::deforms(*source, instance) ? shared::LS_INSTANCE_CONE_VALID
+                                                                : 0),
+             .mesh = meshOf[packed.size()],
              .displaced = displacedOf.empty() ? 0 : displacedOf[packed.size()]});
     }
     return packed;
@@ -420,9 +410,8 @@ std::vector<GpuChunk> GpuScene::packChunks() const {
         Bounds box;
         for (std::uint32_t i = span.x; i < span.x + span.y; ++i) {
             const Instance& instance = source->instances[order[i]];
-            const Bounds reach = source->meshes[instance.mesh].reach();
-            if (!reach.empty())
-                box.add(reach.transformed(worldFromNodes[instance.node] * instance.nodeFromObject));
+            box.add(objectBounds(*source, instance, pose)
+                        .transformed(pose.worldFromNode[instance.node] * instance.nodeFromObject));
         }
         const glm::vec3 centre = box.empty() ? glm::vec3(0) : box.centre();
         packed.push_back({.centre = centre,
@@ -451,7 +440,7 @@ std::vector<GpuLight> GpuScene::packLights() const {
     std::vector<GpuLight> packed;
     for (const Light& light : source->lights) {
         if (light.kind == LightKind::directional) continue;  // becomes the sun
-        const glm::mat4& m = worldFromNodes[light.node];
+        const glm::mat4& m = pose.worldFromNode[light.node];
         const float inner = std::cos(light.innerCone), outer = std::cos(light.outerCone);
         const float scale = 1 / std::max(inner - outer, 1e-3f);  // KHR_lights_punctual's formula
         packed.push_back({.position = glm::vec3(m[3]),

@@ -8,6 +8,7 @@
 #include <lodestar/scene/gpu_types.h>
 #include <lodestar/gpu/buffer.hpp>
 #include <lodestar/gpu/image.hpp>
+#include <lodestar/scene/deform.hpp>
 #include <lodestar/scene/mesh_lods.hpp>
 #include <lodestar/scene/scene.hpp>
 
@@ -36,6 +37,7 @@ struct SceneFeatures {
     bool secondUvs = false;
     bool unlit = false;
     bool punctualLights = false;
+    bool blended = false;  ///< something is seen through
 };
 
 /// The most a view can list, whatever the scene holds: what the lists of a frame may take in
@@ -66,14 +68,19 @@ public:
              const std::function<void(const char*, int, int)>& progress = {},
              const LodSettings& lods = {});
 
-    /// Moves the instances to where the animation has them at `seconds`. Waits for the device.
-    void animate(float seconds);
+    /// Moves the instances to where the animation has them at `seconds`, and the vertices of those
+    /// that deform. Waits for the device; returns what it took there to deform them.
+    gpu::FrameTimes animate(float seconds);
     bool animated() const { return !source->animations.empty(); }
 
     const Scene& scene() const { return *source; }
     const SceneFeatures& features() const { return sceneFeatures; }
     const Bounds& bounds() const { return worldBox; }
-    const std::vector<glm::mat4>& nodeTransforms() const { return worldFromNodes; }
+    const std::vector<glm::mat4>& nodeTransforms() const { return pose.worldFromNode; }
+    /// Vertices that animate() writes are the last ones, from this number on.
+    std::uint32_t firstDeformed() const { return deformedFrom; }
+    std::uint32_t vertexCount() const { return verticesStored; }
+    bool deforms() const { return deformedFrom < verticesStored; }
     /// Counts the animate() calls that moved something: what depends on geometry can be kept while
     /// this stays.
     std::uint64_t version() const { return changes; }
@@ -116,9 +123,11 @@ private:
     std::vector<shared::GpuInstance> packInstances() const;
     std::vector<shared::GpuChunk> packChunks() const;
     std::vector<shared::GpuLight> packLights() const;
+    /// Bounds of what deforms, in the space of the instance.
+    void moveSpheres();
 
     const Scene* source;
-    std::vector<glm::mat4> worldFromNodes;
+    Pose pose;
     Bounds worldBox;
     SceneFeatures sceneFeatures;
     std::array<std::uint32_t, kDrawBins + 1> bins{};
@@ -126,6 +135,12 @@ private:
     std::vector<std::uint32_t> displacedOf;  ///< GpuInstance::displaced, where any is
     std::array<std::uint32_t, kDrawBins + 1> wholeBins{};
     std::vector<glm::uvec2> chunkSpans;  ///< first and count of each chunk, in `order`
+    /// GpuMesh of each instance: the number of its mesh, but for those that deform, which have
+    /// geometry of their own.
+    std::vector<std::uint32_t> meshOf;
+    std::vector<shared::GpuMesh> packedMeshes;  ///< where some deform
+    std::uint32_t deformedFrom = 0, verticesStored = 0;
+    std::unique_ptr<Deform> deform;
     std::uint64_t clustersDrawn = 0, trianglesDrawn = 0;
     std::size_t lodsMost = 1;
     std::uint32_t lightsUsed = 0;

@@ -142,6 +142,7 @@ const uint LS_READ_TRANSFORMED = 64u;
 const uint LS_MATERIAL_MASK = 1u;
 const uint LS_MATERIAL_DOUBLE_SIDED = 2u;
 const uint LS_MATERIAL_UNLIT = 4u;
+const uint LS_MATERIAL_BLEND = 8u;  // something of it is seen through; alphaCutoff on it is opaque
 
 const uint LS_MATERIAL_WORDS = 15u;  // uvec4s a material takes
 

@@ -287,11 +287,6 @@ private:
     }
 
     void notes() {
-        const auto blended = std::ranges::count(scene.materials, AlphaMode::blend,
-                                                [](const Material& m) { return m.alphaMode; });
-        if (blended > 0)
-            scene.notes.push_back(
-                fmt::format("{} alpha-blend materials: drawn as mask at 0.5 for now", blended));
         if (skinned > 0)
             scene.notes.push_back(fmt::format("{} skinned meshes: shown in rest pose", skinned));
         if (from.mNumAnimations > 0)

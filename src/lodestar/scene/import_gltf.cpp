@@ -89,7 +89,7 @@ tinygltf::Model modelOf(Document& document) {
 }
 
 AnimationChannel channelOf(Document& document, const tinygltf::AnimationSampler& sampler,
-                           AnimationPath path, Notes& notes) {
+                           AnimationPath path, std::size_t targets, Notes& notes) {
     AnimationChannel channel;
     channel.path = path;
     channel.interpolation = sampler.interpolation == "STEP"          ? Interpolation::step
@@ -100,7 +100,8 @@ AnimationChannel channelOf(Document& document, const tinygltf::AnimationSampler&
     const std::vector<float> times = readFloats(document, input);
     const std::vector<float> values = readFloats(document, output);
     document.spend(values.size() * sizeof(glm::vec4), placeOf("accessors", output));
-    const std::size_t components = document.accessors[output].components;
+    const std::size_t components =
+        path == AnimationPath::weights ? targets : document.accessors[output].components;
     const std::size_t perTime = channel.interpolation == Interpolation::cubicSpline ? 3 : 1;
     for (std::size_t i = 0; i < times.size(); ++i) {
         if (!channel.times.empty() && times[i] <= channel.times.back()) {
@@ -109,6 +110,12 @@ AnimationChannel channelOf(Document& document, const tinygltf::AnimationSampler&
         }
         channel.times.push_back(times[i]);
         for (std::size_t k = i * perTime; k < (i + 1) * perTime; ++k) {
+            if (path == AnimationPath::weights) {
+                const auto run = values.begin() + static_cast<std::ptrdiff_t>(k * components);
+                channel.weights.insert(channel.weights.end(), run,
+                                       run + static_cast<std::ptrdiff_t>(components));
+                continue;
+            }
             glm::vec4 value(0);
             for (std::size_t component = 0; component < components; ++component)
                 value[static_cast<int>(component)] = values[k * components + component];
@@ -193,24 +200,31 @@ void convertAnimations(Conversion& c, const std::vector<std::uint32_t>& sceneNod
         animation.name = cleaned(source.name);
         for (const tinygltf::AnimationChannel& channel : source.channels) {
             const std::string& path = channel.target_path;
+            const bool morphs = path == "weights";
             const bool moves = path == "translation" || path == "rotation" || path == "scale";
-            if (!moves)
+            if (!moves && !morphs)
                 c.notes.count(
                     "{} animation channels move neither a node's place nor its turn nor "
-                    "its size: left out");
-            if (!moves || channel.target_node < 0) continue;
+                    "its size nor its weights: left out");
+            if ((!moves && !morphs) || channel.target_node < 0) continue;
             const std::uint32_t node = sceneNodes[static_cast<std::size_t>(channel.target_node)];
             if (node == kNone) continue;
-            if (c.scene.nodes[node].hasMatrix) {
+            if (moves && c.scene.nodes[node].hasMatrix) {
                 c.notes.count("{} animation channels target a node with a matrix: left out");
+                continue;
+            }
+            const std::size_t targets = c.scene.nodes[node].weights.size();
+            if (morphs && targets == 0) {
+                c.notes.count("{} animation channels of weights that nothing has: left out");
                 continue;
             }
             AnimationChannel converted =
                 channelOf(c.document, source.samplers[static_cast<std::size_t>(channel.sampler)],
                           path == "translation" ? AnimationPath::translation
                           : path == "rotation"  ? AnimationPath::rotation
-                                                : AnimationPath::scale,
-                          c.notes);
+                          : path == "scale"     ? AnimationPath::scale
+                                                : AnimationPath::weights,
+                          targets, c.notes);
             if (converted.times.empty()) continue;
             converted.node = node;
             animation.duration = std::max(animation.duration, converted.times.back());

@@ -41,21 +41,23 @@ void convertMaterials(Conversion&);
 /// glTF does not allow more, and its other decoders are not fit for hostile files.
 std::vector<Image> decodeImages(Document&, const std::vector<std::size_t>& images);
 
-/// A mesh as one node shows it: vertices depend on the skin and the morph weights.
+/// A mesh as one node shows it. Where nothing moves its joints and weights, vertices depend on the
+/// skin and the weights.
 struct MeshUse {
     std::size_t mesh = 0;
     std::optional<std::size_t> skin;
-    std::vector<double> weights;
+    bool deforms = false;
+    std::vector<float> weights;  ///< of one that does not deform
     auto operator<=>(const MeshUse&) const = default;
 };
 
 struct ConvertedPrimitive {
     std::uint32_t mesh = 0;  ///< in Scene::meshes
-    bool skinned = false;    ///< vertices are in world space already
+    bool skinned = false;    ///< joints place its vertices in the world
 };
 
 /// Appends the triangle primitives of a mesh to Scene::meshes. `jointMatrices` are those of the
-/// use's skin at rest, worldFromJoint · inverseBind.
+/// use's skin at rest, worldFromJoint · jointFromBind.
 std::vector<ConvertedPrimitive> convertMesh(Conversion&, const MeshUse&,
                                             const std::vector<glm::mat4>& jointMatrices);
 

@@ -148,7 +148,6 @@ Material MaterialConverter::convert(std::size_t index) {
     if (source.alphaMode == "BLEND") {
         material.alphaMode = AlphaMode::blend;
         material.alphaCutoff = 0.5f;
-        c.notes.count("{} alpha-blend materials: drawn as mask at 0.5 for now");
     }
     if (const std::optional<Place> metallicRoughness = place.find("pbrMetallicRoughness")) {
         material.baseColorTexture = use(*metallicRoughness, "baseColorTexture", ColorSpace::srgb);

@@ -85,27 +85,43 @@ std::vector<Vertex> readVertices(PrimitiveSource& source) {
     return vertices;
 }
 
-void applyMorphTargets(Document& document, const Place& primitive,
-                       const std::vector<double>& weights, std::vector<Vertex>& vertices) {
-    const std::vector<Place> targets = primitive.elements("targets");
-    for (std::size_t t = 0; t < std::min(targets.size(), weights.size()); ++t) {
-        const auto weight = static_cast<float>(weights[t]);
-        if (weight == 0) continue;
-        const auto add = [&](const char* name, const auto& change) {
-            const std::optional<Place> accessor = targets[t].find(name);
+std::vector<MorphTarget> readTargets(PrimitiveSource& source, const Place& primitive) {
+    std::vector<MorphTarget> targets;
+    for (const Place& place : primitive.elements("targets")) {
+        MorphTarget& target = targets.emplace_back();
+        const auto read = [&](const char* name, std::vector<glm::vec3>& list) {
+            const std::optional<Place> accessor = place.find(name);
             if (!accessor) return;
-            const std::vector<float> deltas = readFloats(document, accessor->whole());
-            if (deltas.size() != 3 * vertices.size())
+            const std::vector<float> deltas = readFloats(source.document, accessor->whole());
+            if (deltas.size() != 3 * source.vertexCount)
                 accessor->refuse(fmt::format("{} elements beside {} vertices", deltas.size() / 3,
-                                             vertices.size()));
-            for (std::size_t i = 0; i < vertices.size(); ++i)
-                change(vertices[i], weight * at<3>(deltas, i));
+                                             source.vertexCount));
+            source.document.spend(source.vertexCount * sizeof(glm::vec3), accessor->path());
+            list.resize(source.vertexCount);
+            for (std::size_t i = 0; i < list.size(); ++i) list[i] = at<3>(deltas, i);
         };
-        add("POSITION", [](Vertex& vertex, glm::vec3 delta) { vertex.position += delta; });
-        add("NORMAL", [](Vertex& vertex, glm::vec3 delta) { vertex.normal += delta; });
-        add("TANGENT",
-            [](Vertex& vertex, glm::vec3 delta) { vertex.tangent += glm::vec4(delta, 0); });
+        read("POSITION", target.position);
+        // Directions that belong to none in the mesh are left out.
+        if (source.has("NORMAL")) read("NORMAL", target.normal);
+        if (source.has("NORMAL") && source.has("TANGENT")) read("TANGENT", target.tangent);
     }
+    return targets;
+}
+
+/// Moves the vertices to where the targets have them, which are done with then.
+void applyMorphTargets(const std::vector<float>& weights, Mesh& mesh) {
+    for (std::size_t t = 0; t < std::min(mesh.targets.size(), weights.size()); ++t) {
+        const MorphTarget& target = mesh.targets[t];
+        const float weight = weights[t];
+        if (weight == 0) continue;
+        for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+            Vertex& vertex = mesh.vertices[i];
+            if (!target.position.empty()) vertex.position += weight * target.position[i];
+            if (!target.normal.empty()) vertex.normal += weight * target.normal[i];
+            if (!target.tangent.empty()) vertex.tangent += glm::vec4(weight * target.tangent[i], 0);
+        }
+    }
+    mesh.targets.clear();
 }
 
 /// The inverse transpose of `m` but for a positive factor; exists for singular matrices too.
@@ -115,38 +131,74 @@ glm::mat3 normalMatrix(const glm::mat3& m) {
     return glm::determinant(m) < 0 ? -cofactors : cofactors;
 }
 
-/// Moves the vertices to where the joints hold them. True if that mirrors most of them.
-bool applySkin(PrimitiveSource& source, const std::vector<glm::mat4>& joints,
-               std::vector<Vertex>& vertices) {
-    std::vector<glm::mat4> blend(vertices.size(), glm::mat4(0));
-    std::vector<float> total(vertices.size(), 0.0f);
-    source.document.spend(vertices.size() * sizeof(glm::mat4), source.attributes.path());
+/// Fills Mesh::influences from all sets of joints: weights that are none are left out, the others
+/// made to add up to 1; a vertex that nothing holds goes with the first joint.
+void readInfluences(PrimitiveSource& source, std::size_t joints, Mesh& mesh) {
+    std::vector<std::vector<Influence>> all(mesh.vertices.size());
+    source.document.spend(mesh.vertices.size() * (sizeof all[0] + 4 * sizeof(Influence)),
+                          source.attributes.path());
     for (int set = 0;; ++set) {
         const std::string jointsName = fmt::format("JOINTS_{}", set);
         const std::string weightsName = fmt::format("WEIGHTS_{}", set);
         if (!source.has(jointsName) || !source.has(weightsName)) break;
+        source.document.spend(4 * mesh.vertices.size() * sizeof(Influence),
+                              source.attributes.path());
         const std::vector<float> joint = source.read(jointsName), weight = source.read(weightsName);
         for (std::size_t i = 0; i < weight.size(); ++i) {
-            if (!(weight[i] > 0)) continue;
-            const auto j = static_cast<std::size_t>(joint[i]);
-            if (j >= joints.size())  // only Draco's have not been checked before
+            if (!(weight[i] > 0) || std::isinf(weight[i])) continue;
+            if (!(joint[i] >= 0 && joint[i] < static_cast<float>(joints)))  // Draco's, unchecked
                 refuse(source.place(jointsName),
-                       fmt::format("joint {} is not below the number of joints ({})", j,
-                                   joints.size()));
-            blend[i / 4] += weight[i] * joints[j];
-            total[i / 4] += weight[i];
+                       fmt::format("joint {} is not below the number of joints ({})", joint[i],
+                                   joints));
+            all[i / 4].push_back({static_cast<std::uint32_t>(joint[i]), weight[i]});
         }
     }
+    std::size_t most = 1;
+    for (std::vector<Influence>& of : all) {
+        if (of.empty()) of.push_back({0, 1});
+        double total = 0;
+        for (const Influence& influence : of) total += influence.weight;
+        for (Influence& influence : of)
+            influence.weight = static_cast<float>(influence.weight / total);
+        most = std::max(most, of.size());
+    }
+    source.document.spend(mesh.vertices.size() * most * sizeof(Influence),
+                          source.attributes.path());
+    mesh.jointsPerVertex = static_cast<std::uint32_t>(most);
+    mesh.influences.assign(mesh.vertices.size() * most, {});
+    for (std::size_t i = 0; i < all.size(); ++i)
+        std::copy(all[i].begin(), all[i].end(),
+                  mesh.influences.begin() + static_cast<std::ptrdiff_t>(i * most));
+}
+
+glm::mat4 blended(const Mesh& mesh, std::size_t vertex, const std::vector<glm::mat4>& joints) {
+    glm::mat4 m(0);
+    for (std::size_t k = 0; k < mesh.jointsPerVertex; ++k) {
+        const Influence& influence = mesh.influences[vertex * mesh.jointsPerVertex + k];
+        m += influence.weight * joints[influence.joint];
+    }
+    return m;
+}
+
+/// Whether the joints mirror most of the vertices.
+bool mirrors(const Mesh& mesh, const std::vector<glm::mat4>& joints) {
     std::size_t mirrored = 0;
-    for (std::size_t i = 0; i < vertices.size(); ++i) {
-        const glm::mat4 m = total[i] > 0 ? blend[i] / total[i] : joints.front();
-        Vertex& vertex = vertices[i];
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i)
+        mirrored += glm::determinant(glm::mat3(blended(mesh, i, joints))) < 0;
+    return mirrored * 2 > mesh.vertices.size();
+}
+
+/// Moves the vertices to where the joints hold them, which are done with then.
+void applySkin(const std::vector<glm::mat4>& joints, Mesh& mesh) {
+    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+        const glm::mat4 m = blended(mesh, i, joints);
+        Vertex& vertex = mesh.vertices[i];
         vertex.position = glm::vec3(m * glm::vec4(vertex.position, 1));
         vertex.normal = normalMatrix(glm::mat3(m)) * vertex.normal;
         vertex.tangent = glm::vec4(glm::mat3(m) * glm::vec3(vertex.tangent), vertex.tangent.w);
-        mirrored += glm::determinant(glm::mat3(m)) < 0;
     }
-    return mirrored * 2 > vertices.size();
+    mesh.jointsPerVertex = 0;
+    mesh.influences.clear();
 }
 
 /// Triangles of a primitive by its mode; nothing if it has none.
@@ -189,8 +241,10 @@ void checkPositions(const PrimitiveSource& source, const std::vector<Vertex>& ve
 }
 
 void completeMesh(PrimitiveSource& source, const Material& material, Mesh& mesh) {
+    const std::size_t bytes = sizeof(Vertex) + mesh.jointsPerVertex * sizeof(Influence) +
+                              mesh.targets.size() * 3 * sizeof(glm::vec3);
     if (!source.has("NORMAL")) {
-        source.document.spend(mesh.indices.size() * sizeof(Vertex), source.attributes.path());
+        source.document.spend(mesh.indices.size() * bytes, source.attributes.path());
         generateFlatNormals(mesh);
     } else {
         repairNormals(mesh);
@@ -201,12 +255,15 @@ void completeMesh(PrimitiveSource& source, const Material& material, Mesh& mesh)
     if (ownTangents) {
         repairTangents(mesh);
     } else if (normalMap.texture != kNone) {
-        source.document.spend(mesh.vertices.size() * sizeof(Vertex), source.attributes.path());
+        source.document.spend(mesh.vertices.size() * bytes, source.attributes.path());
         generateTangents(mesh, normalMap.uvSet, normalMap.transform);
     } else {
         for (Vertex& vertex : mesh.vertices) vertex.tangent = {1, 0, 0, 1};
     }
     for (const std::uint32_t index : mesh.indices) mesh.bounds.add(mesh.vertices[index].position);
+    if (!ownTangents)
+        for (MorphTarget& target : mesh.targets) target.tangent.clear();
+    mesh.boundDeformation();
 }
 
 }  // namespace
@@ -247,12 +304,15 @@ std::vector<ConvertedPrimitive> convertMesh(Conversion& c, const MeshUse& use,
                 c.notes.count("{} triangle lists end in an incomplete triangle: dropped");
         }
         mesh.vertices = readVertices(source);
-        if (!header.targets.empty()) {
-            c.notes.count("{} primitives with morph targets: shown at their rest weights");
-            applyMorphTargets(c.document, primitive, use.weights, mesh.vertices);
-        }
+        if (!header.targets.empty()) mesh.targets = readTargets(source, primitive);
         const bool skinned = use.skin && source.has("JOINTS_0") && source.has("WEIGHTS_0");
-        if (skinned && applySkin(source, jointMatrices, mesh.vertices))
+        if (skinned) readInfluences(source, jointMatrices.size(), mesh);
+        const bool mirrored = skinned && mirrors(mesh, jointMatrices);
+        if (!use.deforms) {
+            applyMorphTargets(use.weights, mesh);
+            if (skinned) applySkin(jointMatrices, mesh);
+        }
+        if (mirrored)
             for (std::size_t i = 0; i < mesh.indices.size(); i += 3)
                 std::swap(mesh.indices[i + 1], mesh.indices[i + 2]);
         checkPositions(source, mesh.vertices);

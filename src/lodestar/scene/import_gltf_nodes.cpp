@@ -64,8 +64,13 @@ public:
 
 private:
     void addHierarchy();
+    void addTrees(std::vector<int> roots);
+    void addWeights();
+    void findMoved();
     void computeRestPose();
     std::vector<glm::mat4> jointMatrices(std::size_t skin);
+    std::uint32_t skinFor(std::size_t skin);
+    bool deforms(std::size_t node) const;
     void addMesh(std::size_t node);
     const std::vector<ConvertedPrimitive>& meshFor(const MeshUse&);
     std::vector<glm::mat4> gpuInstances(const Place& instancing);
@@ -75,29 +80,77 @@ private:
 
     Conversion& c;
     std::vector<std::uint32_t> sceneNodes;  ///< Scene::nodes entry of a document's node
-    std::vector<std::size_t> order;         ///< document's nodes of the scene, parents first
+    std::vector<std::size_t> order;         ///< document's nodes, parents first
+    std::size_t shown = 0;                  ///< of them are the scene's, the rest hold joints
     std::vector<bool> visible;              ///< of all document's nodes
     std::vector<glm::mat4> restWorld;       ///< of all document's nodes, in the scene or not
+    std::vector<bool> moved, morphed;       ///< of Scene::nodes: by the animation
     std::map<MeshUse, std::vector<ConvertedPrimitive>> meshes;
+    std::map<std::size_t, std::uint32_t> skins;  ///< Scene::skins entry of a document's skin
     std::uint32_t skinnedRoot = kNone;
 };
 
-void NodeConverter::addHierarchy() {
-    sceneNodes.assign(c.model.nodes.size(), kNone);
-    std::vector<int> pending = sceneRoots(c.model);
+void NodeConverter::addTrees(std::vector<int> pending) {
     std::reverse(pending.begin(), pending.end());
     while (!pending.empty()) {
         const auto index = static_cast<std::size_t>(pending.back());
         pending.pop_back();
+        if (sceneNodes[index] != kNone) continue;
         const tinygltf::Node& source = c.model.nodes[index];
         sceneNodes[index] = static_cast<std::uint32_t>(order.size());
         order.push_back(index);
         c.scene.nodes.push_back(nodeOf(source));
         pending.insert(pending.end(), source.children.rbegin(), source.children.rend());
     }
+}
+
+/// The nodes of the scene, then those that hold joints elsewhere.
+void NodeConverter::addHierarchy() {
+    sceneNodes.assign(c.model.nodes.size(), kNone);
+    addTrees(sceneRoots(c.model));
+    shown = order.size();
+    std::vector<int> parents(c.model.nodes.size(), -1);
+    for (std::size_t i = 0; i < c.model.nodes.size(); ++i)
+        for (const int child : c.model.nodes[i].children)
+            parents[static_cast<std::size_t>(child)] = static_cast<int>(i);
+    for (const tinygltf::Skin& skin : c.model.skins) {
+        int root = skin.joints.front();  // they have a common one
+        if (sceneNodes[static_cast<std::size_t>(root)] != kNone) continue;
+        while (parents[static_cast<std::size_t>(root)] >= 0)
+            root = parents[static_cast<std::size_t>(root)];
+        addTrees({root});
+    }
     for (const std::size_t index : order)
         for (const int child : c.model.nodes[index].children)
             c.scene.nodes[sceneNodes[static_cast<std::size_t>(child)]].parent = sceneNodes[index];
+}
+
+/// Weights of the morph targets of what the nodes show.
+void NodeConverter::addWeights() {
+    for (const std::size_t index : order) {
+        const tinygltf::Node& source = c.model.nodes[index];
+        if (source.mesh < 0) continue;
+        const tinygltf::Mesh& mesh = c.model.meshes[static_cast<std::size_t>(source.mesh)];
+        if (mesh.primitives.empty() || mesh.primitives.front().targets.empty()) continue;
+        const std::vector<double>& weights = source.weights.empty() ? mesh.weights : source.weights;
+        std::vector<float>& own = c.scene.nodes[sceneNodes[index]].weights;
+        const std::size_t count = mesh.primitives.front().targets.size();
+        c.document.spend(count * sizeof(float), placeOf("nodes", index));
+        own.assign(weights.begin(), weights.end());
+        own.resize(count, 0.0f);
+    }
+}
+
+/// What the first animation, which is the one that plays, moves.
+void NodeConverter::findMoved() {
+    const std::vector<Node>& nodes = c.scene.nodes;
+    moved.assign(nodes.size(), false);
+    morphed.assign(nodes.size(), false);
+    if (c.scene.animations.empty()) return;
+    for (const AnimationChannel& channel : c.scene.animations.front().channels)
+        (channel.path == AnimationPath::weights ? morphed : moved)[channel.node] = true;
+    for (std::size_t i = 0; i < nodes.size(); ++i)
+        if (nodes[i].parent != kNone && moved[nodes[i].parent]) moved[i] = true;
 }
 
 void NodeConverter::computeRestPose() {
@@ -143,6 +196,36 @@ std::vector<glm::mat4> NodeConverter::jointMatrices(std::size_t skinIndex) {
     return matrices;
 }
 
+std::uint32_t NodeConverter::skinFor(std::size_t index) {
+    const auto next = static_cast<std::uint32_t>(c.scene.skins.size());
+    const auto [known, isNew] = skins.emplace(index, next);
+    if (!isNew) return known->second;
+    const tinygltf::Skin& source = c.model.skins[index];
+    Skin& skin = c.scene.skins.emplace_back();
+    skin.name = cleaned(source.name);
+    std::vector<float> inverseBind;
+    if (source.inverseBindMatrices >= 0)
+        inverseBind = readFloats(c.document, static_cast<std::size_t>(source.inverseBindMatrices));
+    c.document.spend(source.joints.size() * sizeof(glm::mat4), placeOf("skins", index));
+    for (std::size_t j = 0; j < source.joints.size(); ++j) {
+        skin.joints.push_back(sceneNodes[static_cast<std::size_t>(source.joints[j])]);
+        skin.jointFromBind.push_back(
+            inverseBind.empty() ? glm::mat4(1) : glm::make_mat4(inverseBind.data() + 16 * j));
+    }
+    return next;
+}
+
+/// Whether the animation moves the joints or the weights of what a node shows.
+bool NodeConverter::deforms(std::size_t index) const {
+    if (morphed[sceneNodes[index]]) return true;
+    const tinygltf::Node& source = c.model.nodes[index];
+    if (source.skin < 0) return false;
+    const std::vector<int>& joints = c.model.skins[static_cast<std::size_t>(source.skin)].joints;
+    return std::any_of(joints.begin(), joints.end(), [&](int joint) {
+        return moved[sceneNodes[static_cast<std::size_t>(joint)]];
+    });
+}
+
 const std::vector<ConvertedPrimitive>& NodeConverter::meshFor(const MeshUse& use) {
     const auto known = meshes.find(use);
     if (known != meshes.end()) return known->second;
@@ -181,7 +264,7 @@ std::vector<glm::mat4> NodeConverter::gpuInstances(const Place& instancing) {
 std::uint32_t NodeConverter::skinnedNode() {
     if (skinnedRoot == kNone) {
         skinnedRoot = static_cast<std::uint32_t>(c.scene.nodes.size());
-        c.scene.nodes.emplace_back().name = "skinned meshes at rest";
+        c.scene.nodes.emplace_back().name = "skinned meshes";
     }
     return skinnedRoot;
 }
@@ -192,8 +275,9 @@ void NodeConverter::addMesh(std::size_t index) {
     MeshUse use;
     use.mesh = static_cast<std::size_t>(source.mesh);
     if (source.skin >= 0) use.skin = static_cast<std::size_t>(source.skin);
-    use.weights = source.weights.empty() ? c.model.meshes[use.mesh].weights : source.weights;
-    c.document.spend(use.weights.size() * sizeof(double), placeOf("nodes", index));
+    use.deforms = deforms(index);
+    if (!use.deforms) use.weights = c.scene.nodes[sceneNodes[index]].weights;
+    c.document.spend(use.weights.size() * sizeof(float), placeOf("nodes", index));
     const std::vector<ConvertedPrimitive>& primitives = meshFor(use);
     if (primitives.empty()) return;
 
@@ -203,12 +287,25 @@ void NodeConverter::addMesh(std::size_t index) {
         transforms = gpuInstances(*instancing);
     c.document.spend(transforms.size() * primitives.size() * sizeof(Instance), place.path());
     for (const ConvertedPrimitive& primitive : primitives) {
+        Instance instance{.mesh = primitive.mesh, .node = sceneNodes[index]};
+        if (use.deforms) {
+            // Each has vertices of its own in the end.
+            const Mesh& mesh = c.scene.meshes[primitive.mesh];
+            const std::size_t copies = primitive.skinned ? 1 : transforms.size();
+            for (std::size_t i = 0; i < copies; ++i)
+                c.document.spend(mesh.vertices.size() * sizeof(Vertex), place.path());
+            if (!mesh.targets.empty()) instance.weightsNode = instance.node;
+            if (primitive.skinned) instance.skin = skinFor(*use.skin);
+        }
         if (primitive.skinned) {
-            c.scene.instances.push_back({primitive.mesh, skinnedNode(), glm::mat4(1)});
+            instance.node = skinnedNode();
+            c.scene.instances.push_back(instance);
             continue;
         }
-        for (const glm::mat4& transform : transforms)
-            c.scene.instances.push_back({primitive.mesh, sceneNodes[index], transform});
+        for (const glm::mat4& transform : transforms) {
+            instance.nodeFromObject = transform;
+            c.scene.instances.push_back(instance);
+        }
     }
 }
 
@@ -261,7 +358,12 @@ void NodeConverter::convert() {
     if (c.model.nodes.empty()) return;
     addHierarchy();
     computeRestPose();
-    for (const std::size_t index : order) {
+    addWeights();
+    convertAnimations(c, sceneNodes);
+    findMoved();
+    const std::vector<std::size_t> nodes(order.begin(),
+                                         order.begin() + static_cast<std::ptrdiff_t>(shown));
+    for (const std::size_t index : nodes) {
         if (!visible[index]) {
             c.notes.count("{} nodes are invisible by KHR_node_visibility: left out");
             continue;
@@ -270,14 +372,7 @@ void NodeConverter::convert() {
         addLight(index);
     }
     const Bounds bounds = worldBounds(c.scene, worldFromNode(c.scene));
-    for (const std::size_t index : order) addCamera(index, bounds);
-    convertAnimations(c, sceneNodes);
-    std::vector<bool> skinUsed(c.model.skins.size());
-    for (const auto& [use, primitives] : meshes)
-        if (use.skin && !primitives.empty() && !skinUsed[*use.skin]) {
-            skinUsed[*use.skin] = true;
-            c.notes.count("{} skins: shown in rest pose");
-        }
+    for (const std::size_t index : nodes) addCamera(index, bounds);
 }
 
 }  // namespace

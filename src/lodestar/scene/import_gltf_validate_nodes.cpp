@@ -147,6 +147,9 @@ void checkSkin(const Document& document, const Place& skin, const Hierarchy& tre
     const std::size_t nodes = tree.parent.size();
     const Place joints = skin.object().get("joints").array();
     if (joints.size() == 0) joints.refuse("is empty");
+    constexpr std::size_t kMostJoints = 65536;  // what a vertex can name
+    if (joints.size() > kMostJoints)
+        joints.refuse(fmt::format("{} joints, a skin has at most {}", joints.size(), kMostJoints));
     std::optional<std::size_t> skeleton;
     if (const std::optional<Place> place = skin.find("skeleton"))
         skeleton = place->index(nodes, "nodes");
@@ -209,26 +212,35 @@ void checkAnimationSampler(const Document& document, const Place& sampler) {
     if (const std::optional<Place> kind = sampler.find("interpolation")) kind->text();
 }
 
+/// `targets[i]`: morph targets of what node i shows.
 void checkChannel(const Document& document, const Place& channel,
-                  const std::vector<Place>& samplers, std::size_t nodes) {
+                  const std::vector<Place>& samplers, const std::vector<std::size_t>& targets) {
     const std::size_t index = channel.object().get("sampler").index(samplers.size(), "samplers");
     const Place target = channel.get("target").object();
     const std::string& path = target.get("path").text();
-    if (const std::optional<Place> node = target.find("node")) node->index(nodes, "nodes");
-    if (path != "translation" && path != "rotation" && path != "scale") return;
+    std::size_t each = 0;  // values of a moment
+    if (const std::optional<Place> node = target.find("node"))
+        each = targets[node->index(targets.size(), "nodes")];
+    const bool weights = path == "weights";
+    if (!weights) each = 1;
+    if (path != "translation" && path != "rotation" && path != "scale" && !weights) return;
+    if (each == 0) return;
     const Place sampler = samplers[index], output = sampler.get("output");
     const Accessor& values = document.accessors[output.whole()];
     const bool rotation = path == "rotation";
-    const bool typeFits = values.componentType == kFloat ||
-                          (rotation && values.normalized && values.componentType != kUnsignedInt);
-    if (values.type != (rotation ? "VEC4" : "VEC3") || !typeFits)
+    const bool packed = values.normalized && values.componentType != kUnsignedInt;
+    const bool typeFits = values.componentType == kFloat || ((rotation || weights) && packed);
+    const char* type = rotation ? "VEC4" : weights ? "SCALAR" : "VEC3";
+    if (values.type != type || !typeFits)
         output.refuse(fmt::format("{} of component type {} can't be a {}", values.type,
                                   values.componentType, path));
     const std::optional<Place> kind = sampler.find("interpolation");
     const std::size_t perTime = kind && kind->text() == "CUBICSPLINE" ? 3 : 1;
     const std::size_t times = document.accessors[sampler.get("input").whole()].count;
-    if (values.count != perTime * times)
-        output.refuse(fmt::format("{} values for {} times", values.count, times));
+    if (values.count % each != 0 || values.count / each != perTime * times)
+        output.refuse(
+            weights ? fmt::format("{} values for {} times of {} targets", values.count, times, each)
+                    : fmt::format("{} values for {} times", values.count, times));
 }
 
 }  // namespace
@@ -253,14 +265,19 @@ void validateNodes(const Document& document) {
 
 void validateAnimations(const Document& document) {
     const Place root = document.root();
-    const std::size_t nodes = root.elements("nodes").size();
+    const std::vector<std::size_t> targetsOfMeshes = targetCounts(root);
+    std::vector<std::size_t> targets;
+    for (const Place& node : root.elements("nodes")) {
+        const std::optional<Place> mesh = node.find("mesh");
+        targets.push_back(mesh ? targetsOfMeshes[mesh->whole()] : 0);
+    }
     for (const Place& animation : root.elements("animations")) {
         animation.object().get("channels").array();
         animation.get("samplers").array();
         const std::vector<Place> samplers = animation.elements("samplers");
         for (const Place& sampler : samplers) checkAnimationSampler(document, sampler);
         for (const Place& channel : animation.elements("channels"))
-            checkChannel(document, channel, samplers, nodes);
+            checkChannel(document, channel, samplers, targets);
     }
 }
 

@@ -480,7 +480,8 @@ std::vector<MeshLods> buildSceneLods(const Scene& scene, const LodSettings& sett
         for (std::size_t i; (i = next++) < count;) {
             const Mesh& mesh = scene.meshes[order[i]];
             try {
-                if (settings.simplify)
+                // A chain holds for the shape that it was made of.
+                if (settings.simplify && !mesh.deforms())
                     all[order[i]] = cachedLods(mesh, textured(mesh, scene), settings.cache);
                 else
                     all[order[i]].levels.push_back({.meshlets = buildMeshlets(mesh)});

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -38,13 +39,25 @@ struct Vertex {
     glm::vec4 color{1};             ///< linear, multiplies the base colour
 };
 
-/// Relief finer than the mesh, for near views: gradient noise along the normals, octave by octave as
-/// the eye draws near (scene/displacement.h).
+/// Relief finer than the mesh, for near views: gradient noise along the normals, octave by octave
+/// as the eye draws near (scene/displacement.h).
 struct Displacement {
-    float amplitude = 0;        ///< the most a point moves, outwards or inwards [object units]
+    float amplitude = 0;  ///< the most a point moves, outwards or inwards [object units]
     /// Of the first octave, twice that of the second [object units]; one to two edges of the mesh.
     float wavelength = 1;
     std::uint32_t octaves = 3;  ///< 1 … 3
+};
+
+/// One joint's part in a vertex.
+struct Influence {
+    std::uint32_t joint = 0;  ///< of the instance's skin
+    float weight = 0;
+};
+
+/// What a morph target of weight 1 adds to the vertices. Each list is empty or one a vertex.
+struct MorphTarget {
+    std::vector<glm::vec3> position, normal, tangent;
+    Bounds bounds;  ///< of `position`
 };
 
 /// One triangle list with one material (a glTF primitive).
@@ -57,7 +70,18 @@ struct Mesh {
     Bounds bounds;               ///< of the vertices in use, object space
     std::optional<Displacement> displacement;
 
-    /// The box about all that is ever shown of it, object space.
+    /// Joints of a vertex, of instances that have a skin; the weights of each vertex are ≥ 0 and
+    /// add up to 1. 0 = the mesh has no joints.
+    std::uint32_t jointsPerVertex = 0;
+    std::vector<Influence> influences;  ///< `jointsPerVertex` a vertex
+    std::vector<Bounds> jointBounds;    ///< of the vertices that each joint moves
+    std::vector<MorphTarget> targets;
+
+    bool deforms() const { return jointsPerVertex > 0 || !targets.empty(); }
+    /// Fills `jointBounds` and the targets' bounds from the vertices. Call it when they are set.
+    void boundDeformation();
+
+    /// The box about all that is ever shown of it in its rest pose, object space.
     Bounds reach() const;
 };
 
@@ -116,12 +140,23 @@ struct Node {
     glm::vec3 translation{0};
     glm::quat rotation{1, 0, 0, 0};
     glm::vec3 scale{1};
+    std::vector<float> weights;  ///< at rest, of the morph targets of what it shows
+};
+
+/// The nodes that hold a mesh, and where its vertices are in the space of each.
+struct Skin {
+    std::string name;
+    std::vector<std::uint32_t> joints;     ///< nodes
+    std::vector<glm::mat4> jointFromBind;  ///< one a joint: glTF's inverse bind matrices
 };
 
 struct Instance {
     std::uint32_t mesh = 0;
     std::uint32_t node = 0;
     glm::mat4 nodeFromObject{1};  ///< identity but for EXT_mesh_gpu_instancing
+    /// Joints place the vertices in the world: `node` is one that stays at its origin.
+    std::uint32_t skin = kNone;
+    std::uint32_t weightsNode = kNone;  ///< the node whose weights morph it
 };
 
 enum class LightKind { directional, point, spot };
@@ -144,7 +179,7 @@ struct SceneCamera {
     float nearPlane = 0.01f;   ///< scene units
 };
 
-enum class AnimationPath { translation, rotation, scale };
+enum class AnimationPath { translation, rotation, scale, weights };
 enum class Interpolation { step, linear, cubicSpline };
 
 struct AnimationChannel {
@@ -154,6 +189,7 @@ struct AnimationChannel {
     std::vector<float> times;       ///< seconds, strictly increasing
     std::vector<glm::vec4> values;  ///< one a time, three (in-tangent, value, out-tangent) for
                                     ///< cubicSpline; quaternions as x, y, z, w
+    std::vector<float> weights;     ///< instead of `values`, a run of the node's weights for each
 };
 
 struct Animation {
@@ -170,6 +206,7 @@ struct Scene {
     std::vector<Material> materials;  ///< never empty when there are meshes
     std::vector<Node> nodes;          ///< parents before children
     std::vector<Instance> instances;
+    std::vector<Skin> skins;
     std::vector<Light> lights;
     std::vector<SceneCamera> cameras;
     std::vector<Animation> animations;
@@ -178,12 +215,30 @@ struct Scene {
     std::vector<std::string> notes;
 };
 
-/// World matrix of every node at `seconds` of the first animation (all channels loop over its
-/// duration). A scene without animation gives its rest pose. Defined in animation.cpp.
+/// Where everything is at one moment.
+struct Pose {
+    std::vector<glm::mat4> worldFromNode;
+    std::map<std::uint32_t, std::vector<float>> weights;  ///< of the nodes that have some
+    bool operator==(const Pose&) const = default;
+};
+
+/// The scene at `seconds` of the first animation (all channels loop over its duration). A scene
+/// without animation gives its rest pose. Defined in animation.cpp.
+Pose poseAt(const Scene&, float seconds = 0);
+/// Its matrices alone.
 std::vector<glm::mat4> worldFromNode(const Scene&, float seconds = 0);
 
-/// World box of all instances for the given node matrices. Empty for a scene without triangles.
+/// Whether the instance has vertices of its own, which joints or weights move.
+bool deforms(const Scene&, const Instance&);
+
+/// Box of an instance in the space of its mesh, or in the world where it has a skin. One that
+/// deforms lies inside, and seldom fills it: a vertex is a weighted mean of where its joints would
+/// have it, so it lies in the box about the boxes of what each joint moves, carried along by it.
+Bounds objectBounds(const Scene&, const Instance&, const Pose&);
+/// World box of all instances for the given node matrices (weights at rest). Empty for a scene
+/// without triangles.
 Bounds worldBounds(const Scene&, const std::vector<glm::mat4>& worldFromNode);
+Bounds worldBounds(const Scene&, const Pose&);
 
 /// Triangles summed over the meshes (stored) and over the instances (drawn).
 struct TriangleCounts {

@@ -3,6 +3,8 @@
 
 #include <array>
 #include <cmath>
+#include <numeric>
+#include <type_traits>
 
 #include <meshoptimizer.h>
 
@@ -60,6 +62,22 @@ UvFrame uvFrame(const std::array<glm::dvec3, 3>& p, const std::array<glm::dvec2,
     return frame;
 }
 
+/// Gives `mesh` the vertices with these numbers, with all that belongs to them.
+void gather(Mesh& mesh, const std::vector<std::uint32_t>& from) {
+    const auto of = [&](auto& list, std::size_t each) {
+        std::remove_reference_t<decltype(list)> gathered;
+        gathered.reserve(from.size() * each);
+        for (const std::uint32_t v : from)
+            for (std::size_t k = 0; k < each; ++k) gathered.push_back(list[v * each + k]);
+        list = std::move(gathered);
+    };
+    of(mesh.vertices, 1);
+    if (mesh.jointsPerVertex > 0) of(mesh.influences, mesh.jointsPerVertex);
+    for (MorphTarget& target : mesh.targets)
+        for (auto* list : {&target.position, &target.normal, &target.tangent})
+            if (!list->empty()) of(*list, 1);
+}
+
 /// Gives mirrored triangles their own copy of each vertex that unmirrored ones use as well.
 void splitMirrored(Mesh& mesh, const std::vector<UvFrame>& frames) {
     constexpr std::uint8_t kPlain = 1, kMirrored = 2;
@@ -68,17 +86,18 @@ void splitMirrored(Mesh& mesh, const std::vector<UvFrame>& frames) {
         const double handedness = frames[i / 3].handedness;
         if (handedness != 0) uses[mesh.indices[i]] |= handedness > 0 ? kPlain : kMirrored;
     }
-    std::vector<std::uint32_t> copyOf(mesh.vertices.size(), kNone);
+    std::vector<std::uint32_t> copyOf(mesh.vertices.size(), kNone), all(mesh.vertices.size());
+    std::iota(all.begin(), all.end(), 0);
     for (std::size_t i = 0; i < mesh.indices.size(); ++i) {
         std::uint32_t& index = mesh.indices[i];
         if (frames[i / 3].handedness >= 0 || uses[index] != (kPlain | kMirrored)) continue;
         if (copyOf[index] == kNone) {
-            copyOf[index] = static_cast<std::uint32_t>(mesh.vertices.size());
-            const Vertex copy = mesh.vertices[index];
-            mesh.vertices.push_back(copy);
+            copyOf[index] = static_cast<std::uint32_t>(all.size());
+            all.push_back(index);
         }
         index = copyOf[index];
     }
+    if (all.size() > mesh.vertices.size()) gather(mesh, all);
 }
 
 }  // namespace
@@ -99,19 +118,32 @@ void weldVertices(Mesh& mesh) {
 }
 
 void generateFlatNormals(Mesh& mesh) {
-    std::vector<Vertex> vertices;
-    vertices.reserve(mesh.indices.size());
-    for (std::size_t i = 0; i + 2 < mesh.indices.size(); i += 3) {
+    mesh.indices.resize(mesh.indices.size() / 3 * 3);
+    gather(mesh, mesh.indices);
+    std::iota(mesh.indices.begin(), mesh.indices.end(), 0);
+    for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
         const glm::vec3 normal = unitOr(faceVector(mesh, i), {0, 0, 1});
-        for (std::size_t k = 0; k < 3; ++k) {
-            vertices.push_back(mesh.vertices[mesh.indices[i + k]]);
-            vertices.back().normal = normal;
+        for (std::size_t k = 0; k < 3; ++k) mesh.vertices[i + k].normal = normal;
+    }
+    if (!mesh.deforms()) {
+        weldVertices(mesh);
+        return;
+    }
+    // A face turns with its corners: exact at no and at full weight.
+    for (MorphTarget& target : mesh.targets) {
+        if (target.position.empty()) continue;
+        target.normal.resize(mesh.vertices.size());
+        for (std::size_t i = 0; i < mesh.indices.size(); i += 3) {
+            const auto corner = [&](std::size_t k) {
+                return glm::dvec3(mesh.vertices[i + k].position) +
+                       glm::dvec3(target.position[i + k]);
+            };
+            const glm::vec3 normal = mesh.vertices[i].normal;
+            const glm::vec3 turned =
+                unitOr(glm::cross(corner(1) - corner(0), corner(2) - corner(0)), normal);
+            for (std::size_t k = 0; k < 3; ++k) target.normal[i + k] = turned - normal;
         }
     }
-    mesh.vertices = std::move(vertices);
-    for (std::size_t i = 0; i < mesh.indices.size(); ++i)
-        mesh.indices[i] = static_cast<std::uint32_t>(i);
-    weldVertices(mesh);
 }
 
 void generateSmoothNormals(Mesh& mesh) {

@@ -6,11 +6,13 @@
 
 // Motion vectors from triangle ids, one thread a pixel.
 layout(local_size_x = 8, local_size_y = 8) in;
+layout(constant_id = 0) const bool kDeforms = false;
 
 layout(binding = 6, scalar) uniform View { ViewParams view; };
 layout(binding = 7) uniform usampler2D ids;
 layout(binding = 8, rgba32f) writeonly uniform image2D outMotion;
 layout(binding = 9) uniform usamplerBuffer previousInstances;
+layout(binding = 10) uniform usamplerBuffer previousVertices;  // from firstDeformed on
 layout(push_constant, scalar) uniform Push { MotionParams params; };
 
 vec3 previousPoint(uint instance, vec3 p) {
@@ -19,6 +21,13 @@ vec3 previousPoint(uint instance, vec3 p) {
     return vec3(dot(uintBitsToFloat(texelFetch(previousInstances, at)), h),
                 dot(uintBitsToFloat(texelFetch(previousInstances, at + 1)), h),
                 dot(uintBitsToFloat(texelFetch(previousInstances, at + 2)), h));
+}
+
+vec3 previousPosition(uint vertex) {
+    const vec3 now = loadVertex(vertex).position;
+    if (!kDeforms || vertex < params.firstDeformed) return now;
+    return uintBitsToFloat(
+        texelFetch(previousVertices, int(vertex - params.firstDeformed)).xyz);
 }
 
 void main() {
@@ -40,9 +49,9 @@ void main() {
             barycentricsAt(view.clipFromWorld * vec4(t.p0, 1), view.clipFromWorld * vec4(t.p1, 1),
                            view.clipFromWorld * vec4(t.p2, 1), ndc);
         const uint index = loadCluster(id >> LS_TRIANGLE_BITS).instance;
-        const vec3 object = loadVertex(t.vertices.x).position * b.at.x +
-                            loadVertex(t.vertices.y).position * b.at.y +
-                            loadVertex(t.vertices.z).position * b.at.z;
+        const vec3 object = previousPosition(t.vertices.x) * b.at.x +
+                            previousPosition(t.vertices.y) * b.at.y +
+                            previousPosition(t.vertices.z) * b.at.z;
         before = params.previousClipFromWorld * vec4(previousPoint(index, object), 1);
         instance = 1 + float(index);
     }

@@ -7,6 +7,7 @@ LS_NAMESPACE_BEGIN
 struct MotionParams {
     mat4 previousClipFromWorld;  // without jitter
     uvec2 size;                  // of the part of `ids` in use
+    uint firstDeformed;          // vertices from this on were elsewhere
 };
 
 LS_NAMESPACE_END

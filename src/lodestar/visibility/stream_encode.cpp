@@ -122,7 +122,15 @@ std::uint64_t hashOf(const scene::Scene& scene) {
         add(mesh.material, mesh.vertices.size(), mesh.indices.size());
         addBytes(mesh.vertices.data(), mesh.vertices.size() * sizeof(scene::Vertex));
         addBytes(mesh.indices.data(), mesh.indices.size() * sizeof(std::uint32_t));
+        if (!mesh.deforms()) continue;
+        addBytes(mesh.influences.data(), mesh.influences.size() * sizeof(scene::Influence));
+        for (const scene::MorphTarget& target : mesh.targets)
+            for (const auto* list : {&target.position, &target.normal, &target.tangent})
+                addBytes(list->data(), list->size() * sizeof(glm::vec3));
     }
+    for (const scene::Skin& skin : scene.skins)
+        for (std::size_t j = 0; j < skin.joints.size(); ++j)
+            add(skin.joints[j], skin.jointFromBind[j]);
     for (const scene::Image& image : scene.images) {
         add(image.width, image.height);
         addBytes(image.rgba.data(), image.rgba.size());
@@ -140,6 +148,8 @@ std::uint64_t hashOf(const scene::Scene& scene) {
     }
     for (const glm::mat4& m : scene::worldFromNode(scene)) add(m);
     for (const scene::Instance& i : scene.instances) add(i.mesh, i.node, i.nodeFromObject);
+    for (const scene::Instance& i : scene.instances)
+        if (scene::deforms(scene, i)) add(i.skin, i.weightsNode);
     return hash;
 }
 
