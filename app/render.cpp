@@ -226,7 +226,9 @@ Result<void> run(Options options) {
     if (!options.settingsFile.empty()) {
         const auto levers = readSettings(options.settingsFile);
         if (!levers) return tl::unexpected(levers.error());
+        const auto effects = options.levers.postRates;  // of which the file says nothing
         options.levers = *levers;
+        options.levers.postRates = effects;
     }
     options.settings.captureSide = options.capture.side;
     options.settings.capture = options.capture.backend;
@@ -248,7 +250,9 @@ Result<void> run(Options options) {
         if (!done) return tl::unexpected(done.error());
         tuning = std::move(*done);
         printTuning(*tuning);
+        const auto effects = options.levers.postRates;
         options.levers = tuning->levers;
+        options.levers.postRates = effects;
     }
     RunOptions runOptions{
         .frames = options.frames,
@@ -428,7 +432,7 @@ void addRender(CLI::App& app, int& exitCode) {
     addFrameOptions(*command, o->settings);
     addParsed(*command, "--aov", o->aovs, parseAovs,
               "also write these as EXR beside --out: depth, normal, albedo, roughness, metallic, "
-              "occlusion, id, shadow, ao, motion")
+              "occlusion, id, shadow, ao, ssao, motion")
         ->type_name("NAME[,NAME]");
     addJsonOption(*command, o->json);
     addDeviceOption(*command, o->device.device);

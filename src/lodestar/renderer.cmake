@@ -31,7 +31,10 @@ add_library(lodestar STATIC
     upsample/refine.cpp
     upsample/repair.cpp
     upsample/upsample.cpp
+    post/dof.cpp
+    post/max_depth.cpp
     post/reduce.cpp
+    post/ssao.cpp
     post/tonemap.cpp
     scale/spatial.cpp
     scale/temporal.cpp
@@ -41,6 +44,7 @@ add_library(lodestar STATIC
     frame/frame_setup.cpp
     frame/light_maps.cpp
     frame/motion_tracker.cpp
+    frame/post_chain.cpp
 )
 add_library(lodestar::lodestar ALIAS lodestar)
 target_link_libraries(lodestar
@@ -87,7 +91,15 @@ lodestar_shaders(lodestar
     upsample/repair_compact.comp
     upsample/repair_cut.comp
     upsample/upsample.comp
+    post/dof_blur.comp
+    post/dof_combine.comp
+    post/dof_down.comp
+    post/dof_layers.comp
+    post/dof_resolve.comp
+    post/max_depth.comp
     post/reduce.comp
+    post/ssao.comp
+    post/ssao_blur.comp
     post/tonemap.comp
     scale/spatial.comp
     scale/temporal.comp

@@ -47,7 +47,7 @@ std::vector<RateGroup> rateGroups(const budget::Levers& levers, float supersampl
 }  // namespace
 
 gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers& levers) {
-    if (options.captureSide > 1) return renderSamples(camera);
+    if (options.captureSide > 1) return renderSamples(camera, levers);
     if (options.exposure == 0) {
         options.exposure = 1;
         render(camera, {});
@@ -105,7 +105,7 @@ gpu::FrameTimes Frame::rebuild(const visibility::CompactRecord& from, const scen
     rebuilding->expand.record(rec, *scene, from, clipFromWorld(camera), ids());
     rec.barrier(Stage::compute, Stage::compute);
     if (tracker) tracker->record(rec, *scene, ids(), viewBuffer, steadyClipFromWorld(camera));
-    shade(levers);
+    shade(levers, &from);
     return rec.submit();
 }
 
@@ -118,12 +118,15 @@ void Frame::begin(const scene::Camera& camera, float renderScale, scale::Tempora
     const glm::vec2 grid(live.width, live.height);
     jitter = 2.0f * scale::jitterOf(mode, pictures++, renderScale) / grid;
     textureScale = scale::textureScaleOf(mode, renderScale);
+    focus = std::max(glm::distance(camera.eye, camera.at), 1e-6f);
     rec.begin();
     lightMaps.update(rec, *scene, cull, camera, aspect);
     writeUniforms(camera);
 }
 
-void Frame::shade(const budget::Levers& levers) {
+void Frame::shade(const budget::Levers& levers, const visibility::CompactRecord* from) {
+    if (post && levers.resizeAll)
+        throw std::invalid_argument("Levers::resizeAll: not with FrameSettings::post");
     if (levers.resizeAll && levers.shadingRate > 1) {
         shadeOnGridS(levers.shadingRate * static_cast<float>(options.supersample));
         show();
@@ -132,13 +135,26 @@ void Frame::shade(const budget::Levers& levers) {
     // What is exact on grid O, and the expensive terms on grids S.
     rebuildPass.record(rec, *scene, {ids(), viewBuffer, {}, live, textureScale}, surfaces);
     evaluateTerms(levers);
+    if (post) post->recordOcclusion(rec, picture(from), levers, terms());
     rec.barrier(Stage::compute, Stage::compute);
 
     combine.record(rec,
                    {viewBuffer, lightBuffer, surfaces.depth, surfaces.material, surfaces.emissive,
                     termImage, skyImage, scene->lights},
                    radiance());
+    if (post) post->recordLens(rec, picture(from), levers, radiance());
     show();
+}
+
+PostChain::Picture Frame::picture(const visibility::CompactRecord* from) const {
+    return {.scene = *scene,
+            .view = viewBuffer,
+            .ids = ids(),
+            .surfaces = surfaces,
+            .record = from,
+            .expand = rebuilding ? &rebuilding->expand : nullptr,
+            .focus = focus,
+            .supersample = static_cast<float>(options.supersample)};
 }
 
 /// From the radiance on grid O to the picture.

@@ -97,6 +97,8 @@ const FrameSettings& checked(const FrameSettings& s) {
             "FrameSettings::captureSide: not with supersample, maxScale, motion or temporal");
     if (s.supersample > 1 && s.temporal.mode != scale::TemporalMode::off)
         throw std::invalid_argument("FrameSettings::temporal: not with supersample");
+    if (s.post.downsampled && s.supersample > 1)
+        throw std::invalid_argument("PostSettings::downsampled: not with supersample");
     return s;
 }
 
@@ -164,6 +166,7 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       displayImage(target(owner, shown, vk::Format::eR8G8B8A8Unorm, "display", Usage::eStorage)),
       surfaces(owner, room),
       rec(owner) {
+    if (s.post.any()) post.emplace(owner, gpuScene, s.post, s.sigmas, room);
     const bool joins = s.temporal.mode != scale::TemporalMode::off;
     if (s.motion || joins) tracker.emplace(owner, gpuScene, room);
     if (joins) temporal.emplace(owner, room, s.size, s.temporal);
