@@ -10,6 +10,7 @@
 #include <lodestar/shading/coarse_params.h>
 #include <lodestar/upsample/refine_params.h>
 #include <lodestar/upsample/upsample_params.h>
+#include <lodestar/frame/post_chain.hpp>
 #include <lodestar/frame/targets.hpp>
 #include <lodestar/gpu/readback.hpp>
 #include <lodestar/post/exposure.hpp>
@@ -146,7 +147,7 @@ void Frame::shade(const budget::Levers& levers, const visibility::CompactRecord*
     show();
 }
 
-PostChain::Picture Frame::picture(const visibility::CompactRecord* from) const {
+PostPicture Frame::picture(const visibility::CompactRecord* from) const {
     return {.scene = *scene,
             .view = viewBuffer,
             .ids = ids(),

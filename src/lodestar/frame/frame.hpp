@@ -2,13 +2,14 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 
 #include <lodestar/budget/levers.hpp>
 #include <lodestar/frame/capture_frame.hpp>
 #include <lodestar/frame/light_maps.hpp>
 #include <lodestar/frame/motion_tracker.hpp>
-#include <lodestar/frame/post_chain.hpp>
+#include <lodestar/frame/post_settings.hpp>
 #include <lodestar/geometry/cull.hpp>
 #include <lodestar/geometry/show_lods.hpp>
 #include <lodestar/post/reduce.hpp>
@@ -28,6 +29,9 @@
 #include <lodestar/visibility/sample_grid.hpp>
 
 namespace lodestar::frame {
+
+class PostChain;
+struct PostPicture;
 
 /// What stays the same from frame to frame. What a budget may change is in budget::Levers.
 struct FrameSettings {
@@ -74,6 +78,8 @@ class Frame {
 public:
     /// Throws std::invalid_argument for settings out of range.
     Frame(const gpu::Device&, const scene::GpuScene&, const FrameSettings&);
+
+    ~Frame();
 
     /// Renders one picture and waits for it. With several samples a pixel the levers
     /// have no say but in the effects.
@@ -134,7 +140,7 @@ private:
     void begin(const scene::Camera&, float renderScale, scale::TemporalMode);
     gpu::FrameTimes renderSamples(const scene::Camera&, const budget::Levers&);
     void shade(const budget::Levers&, const visibility::CompactRecord* from = nullptr);
-    PostChain::Picture picture(const visibility::CompactRecord* from) const;
+    PostPicture picture(const visibility::CompactRecord* from) const;
     /// From radiance on grid O to the display.
     void show();
     void evaluateTerms(const budget::Levers&);
@@ -215,7 +221,7 @@ private:
         displayImage;
     visibility::Surface surfaces;
 
-    std::optional<PostChain> post;
+    std::unique_ptr<PostChain> post;
     std::optional<MotionTracker> tracker;
     std::optional<scale::Temporal> temporal;
     scale::TemporalMode joining = scale::TemporalMode::off;  ///< of this frame

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include <lodestar/shading/coarse_params.h>
+#include <lodestar/frame/post_chain.hpp>
 #include <lodestar/frame/targets.hpp>
 
 // Several samples a pixel: captured, compacted, and blended by what each surface covers.
@@ -71,7 +72,7 @@ gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
             shared::LS_ALL_TERMS, terms);
         // What the screen shows occludes the fragments that it shows.
         if (post && terms.image == termImage.view().image) {
-            PostChain::Picture shown = picture(nullptr);
+            PostPicture shown = picture(nullptr);
             shown.ids = ids;
             post->recordOcclusion(rec, shown, levers, terms);
         }
@@ -108,7 +109,7 @@ gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
         rec.barrier(Stage::compute, Stage::compute);
     }
     if (post) {
-        PostChain::Picture shown = picture(nullptr);
+        PostPicture shown = picture(nullptr);
         shown.ids = part(set.ids, live);
         post->recordLens(rec, shown, levers, radiance());
     }

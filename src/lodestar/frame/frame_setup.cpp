@@ -9,6 +9,7 @@
 
 #include <lodestar/shading/light_params.h>
 #include <lodestar/visibility/view_params.h>
+#include <lodestar/frame/post_chain.hpp>
 #include <lodestar/frame/targets.hpp>
 #include <lodestar/gpu/readback.hpp>
 
@@ -166,7 +167,7 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       displayImage(target(owner, shown, vk::Format::eR8G8B8A8Unorm, "display", Usage::eStorage)),
       surfaces(owner, room),
       rec(owner) {
-    if (s.post.any()) post.emplace(owner, gpuScene, s.post, s.sigmas, room);
+    if (s.post.any()) post = std::make_unique<PostChain>(owner, gpuScene, s.post, s.sigmas, room);
     const bool joins = s.temporal.mode != scale::TemporalMode::off;
     if (s.motion || joins) tracker.emplace(owner, gpuScene, room);
     if (joins) temporal.emplace(owner, room, s.size, s.temporal);
@@ -179,6 +180,8 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
         sunIlluminance = light->color * (light->intensity * perLux);
     }
 }
+
+Frame::~Frame() = default;
 
 Frame::Whole Frame::makeWhole() const {
     const auto image = [&](vk::Format format, const char* name) {

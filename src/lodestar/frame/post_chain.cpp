@@ -5,7 +5,6 @@
 
 #include <lodestar/frame/targets.hpp>
 #include <lodestar/post/effective.hpp>
-#include <lodestar/upsample/falloff.hpp>
 
 namespace lodestar::frame {
 namespace {
@@ -68,13 +67,13 @@ PostChain::Inputs PostChain::makeInputs(const gpu::Device& device, const PostSet
     return made;
 }
 
-bool PostChain::fromRecord(const Picture& p) const {
+bool PostChain::fromRecord(const PostPicture& p) const {
     return p.record && !settings.downsampled &&
            2 * p.record->base.width <= p.ids.extent.width + 1 &&
            2 * p.record->base.height <= p.ids.extent.height + 1;
 }
 
-PostChain::Guides PostChain::gridOf(const Picture& p, std::uint32_t rate) const {
+PostChain::Guides PostChain::gridOf(const PostPicture& p, std::uint32_t rate) const {
     const vk::Extent2D full = p.ids.extent;
     const float side = static_cast<float>(sideOf(rate)) * p.supersample;
     if (side == 1)
@@ -93,7 +92,7 @@ PostChain::Guides PostChain::gridOf(const Picture& p, std::uint32_t rate) const 
             part(inputs.surfaces.normal, size)};
 }
 
-PostChain::Guides PostChain::recordGuides(gpu::Recorder& rec, const Picture& p,
+PostChain::Guides PostChain::recordGuides(gpu::Recorder& rec, const PostPicture& p,
                                           std::uint32_t rate) {
     const Guides made = gridOf(p, rate);
     const vk::Extent2D full = p.ids.extent, size = made.size();
@@ -134,8 +133,8 @@ PostChain::Occlusion PostChain::makeOcclusion(vk::Extent2D extent) const {
             packed("ssao: turns"), packed("ssao")};
 }
 
-void PostChain::recordOcclusion(gpu::Recorder& rec, const Picture& p, const budget::Levers& levers,
-                                gpu::View terms) {
+void PostChain::recordOcclusion(gpu::Recorder& rec, const PostPicture& p,
+                                const budget::Levers& levers, gpu::View terms) {
     if (!settings.ssao) return;
     const std::uint32_t rate = levers.postRate(budget::Effect::ssao), side = sideOf(rate);
     if (!occlusion || occlusion->side > side)
@@ -153,7 +152,7 @@ void PostChain::recordOcclusion(gpu::Recorder& rec, const Picture& p, const budg
     rec.barrier(Stage::compute, Stage::compute);
 }
 
-void PostChain::recordLens(gpu::Recorder& rec, const Picture& p, const budget::Levers& levers,
+void PostChain::recordLens(gpu::Recorder& rec, const PostPicture& p, const budget::Levers& levers,
                            gpu::View radiance) {
     if (!settings.dof) return;
     const std::uint32_t rate = levers.postRate(budget::Effect::dof), side = sideOf(rate);
@@ -171,10 +170,9 @@ void PostChain::recordLens(gpu::Recorder& rec, const Picture& p, const budget::L
     // Downsampled colours bring their depth along.
     const Guides guides =
         settings.downsampled && side > 1 ? gridOf(p, rate) : recordGuides(rec, p, rate);
-    dof->pass.record(rec,
-                     {part(p.surfaces.depth, p.ids.extent), guides.depth, guides.grid,
-                      settings.bilateral ? upsample::falloff(sigmas.z, "z") : 0},
-                     options, radiance);
+    dof->pass.record(
+        rec, {part(p.surfaces.depth, p.ids.extent), guides.depth, guides.grid, settings.bilateral},
+        options, radiance);
     rec.barrier(Stage::compute, Stage::compute);
 }
 

@@ -15,6 +15,19 @@
 
 namespace lodestar::frame {
 
+/// The picture on grid O so far.
+struct PostPicture {
+    const scene::GpuScene& scene;
+    const gpu::Buffer& view;  ///< shared::ViewParams
+    gpu::View ids;            ///< its extent is that of O
+    const visibility::Surface& surfaces;
+    /// What O was expanded from: where it is coarser than O its grid is B.
+    const visibility::CompactRecord* record = nullptr;
+    const visibility::Expand* expand = nullptr;
+    float focus = 1;        ///< distance of what the camera looks at
+    float supersample = 1;  ///< pixels of O along an axis that become one: rates count from it
+};
+
 /// The effects of a frame: each takes its inputs on a grid B of its own, coarser than O, and is
 /// brought back to O (thesis §3.4).
 class PostChain {
@@ -24,25 +37,13 @@ public:
     PostChain(const gpu::Device&, const scene::GpuScene&, const PostSettings&,
               const upsample::Sigmas&, vk::Extent2D room);
 
-    /// The picture on grid O so far.
-    struct Picture {
-        const scene::GpuScene& scene;
-        const gpu::Buffer& view;  ///< shared::ViewParams
-        gpu::View ids;            ///< its extent is that of O
-        const visibility::Surface& surfaces;
-        /// What O was expanded from: where it is coarser than O its grid is B.
-        const visibility::CompactRecord* record = nullptr;
-        const visibility::Expand* expand = nullptr;
-        float focus = 1;        ///< distance of what the camera looks at
-        float supersample = 1;  ///< pixels of O along an axis that become one: rates count from it
-    };
-
     /// Occlusion of the ambient light → w of `terms` (grid O). Adds the passes "ssao" and
     /// "upsample" and those of grid B; leaves the terms visible to compute.
-    void recordOcclusion(gpu::Recorder&, const Picture&, const budget::Levers&, gpu::View terms);
-    /// Depth of field in place in `radiance` (grid O). Adds the passes "dof …" and those of grid B and
-    /// leaves the radiance visible to compute.
-    void recordLens(gpu::Recorder&, const Picture&, const budget::Levers&, gpu::View radiance);
+    void recordOcclusion(gpu::Recorder&, const PostPicture&, const budget::Levers&,
+                         gpu::View terms);
+    /// Depth of field in place in `radiance` (grid O). Adds the passes "dof …" and those of grid B
+    /// and leaves the radiance visible to compute.
+    void recordLens(gpu::Recorder&, const PostPicture&, const budget::Levers&, gpu::View radiance);
 
 private:
     /// Depth and normal on a grid B.
@@ -51,10 +52,10 @@ private:
         gpu::View depth, normal;
         vk::Extent2D size() const { return {grid.size.x, grid.size.y}; }
     };
-    bool fromRecord(const Picture&) const;
-    Guides gridOf(const Picture&, std::uint32_t rate) const;
+    bool fromRecord(const PostPicture&) const;
+    Guides gridOf(const PostPicture&, std::uint32_t rate) const;
     /// Adds the passes "sample grid" and "grid B", or "max depth".
-    Guides recordGuides(gpu::Recorder&, const Picture&, std::uint32_t rate);
+    Guides recordGuides(gpu::Recorder&, const PostPicture&, std::uint32_t rate);
 
     /// What the effects share: only where one has a rate above 1 is it written.
     struct Inputs {

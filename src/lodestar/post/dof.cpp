@@ -27,6 +27,8 @@ using gpu::Slot;
 using gpu::Stage;
 using Usage = vk::ImageUsageFlagBits;
 
+constexpr float kCocFalloff = 1.44269504f / (2 * 0.1f * 0.1f);
+
 vk::Extent2D half(vk::Extent2D size) {
     return {(size.width + 1) / 2, (size.height + 1) / 2};
 }
@@ -119,7 +121,7 @@ void Dof::recordBlur(gpu::Recorder& rec, vk::Extent2D size,
     vk::Extent2D fromSize = size;
     for (std::size_t i = 0; i < levels.size(); ++i) {
         const auto [sigma, step, texel] = plans[i];
-        const auto reach = static_cast<std::int32_t>(sigma < 0.2f ? 0 : std::ceil(2.5f * sigma));
+        const auto reach = static_cast<std::uint32_t>(sigma < 0.2f ? 0 : std::ceil(2.5f * sigma));
         const float falloff = 1.44269504f / (2 * sigma * sigma);
         const vk::Extent2D across{gpu::groups(fromSize.width, step), fromSize.height};
         const vk::Extent2D to{across.width, gpu::groups(fromSize.height, step)};
@@ -158,7 +160,7 @@ void Dof::record(gpu::Recorder& rec, const Inputs& in, const DofOptions& o, gpu:
                              .sharp = o.sharp,
                              .slope = o.degree / (o.full - o.sharp),
                              .thesis = o.formula == CocFormula::thesis,
-                             .depthFalloff = in.depthFalloff};
+                             .cocFalloff = in.bilateral ? kCocFalloff : 0};
     const auto plans =
         plan(o.radius * static_cast<float>(in.grid.fullSize.y) / (2 * in.grid.rate.y));
     params.steps = {plans[1].texel, plans[2].texel};

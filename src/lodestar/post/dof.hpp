@@ -24,7 +24,7 @@ public:
         gpu::View depth;     ///< grid O, R32_SFLOAT: linear view depth, 0 = background
         gpu::View depthOnB;  ///< the same of grid B; written where colours are downsampled
         shared::EffectiveGrid grid;
-        float depthFalloff = 0;  ///< log2(e) / (2 σz²) of the way back to O; 0 = linear
+        bool bilateral = true;  ///< texels of another blur than the pixel count next to nothing
     };
     /// Blurs `color` (grid O, RGBA16_SFLOAT, storage and sampled) in place; its alpha stays.
     /// Nothing outside the grids is read. Passes "dof" (on B, with what is downsampled) and "dof

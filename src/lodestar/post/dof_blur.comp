@@ -17,7 +17,7 @@ void main() {
     const float middle = 0.5 * float(params.step - 1);
     Layers sum = Layers(vec4(0), vec3(0), vec2(0));
     float weights = 0;
-    for (int i = -params.reach; i < params.reach + int(params.step); ++i) {
+    for (int i = -int(params.reach); i < int(params.reach + params.step); ++i) {
         const float d = float(i) - middle;
         const float w = exp2(-params.falloff * d * d);
         add(sum, unpackLayers(texelFetch(layers, clamp(first + i * axis, ivec2(0), last), 0)), w);

@@ -9,7 +9,7 @@ struct DofParams {
     float focus, sharp;  // F and n [scene units]
     float slope;         // d / (m − n)
     uint thesis;         // 1: what is before the focus stays sharp
-    float depthFalloff;  // of the bilateral filter; 0 = linear
+    float cocFalloff;    // of the bilateral filter, log2(e) / (2 σ²); 0 = linear
     uvec2 steps;         // texels of B for one of the second and of the third blurred picture
 };
 
@@ -19,7 +19,7 @@ struct DofBlurParams {
     uvec2 fromSize;  // of what is read
     uvec2 axis;      // (1, 0) or (0, 1)
     uint step;       // texels read along the axis for one that is written
-    int reach;       // taps to each side
+    uint reach;      // taps to each side
     float falloff;   // log2(e) / (2 σ²)
 };
 

@@ -44,6 +44,6 @@ void main() {
     const vec4 n = near < 1 ? mix(vec4(a.near, a.cover.x), vec4(b.near, b.cover.x), near)
                             : mix(vec4(b.near, b.cover.x), vec4(c.near, c.cover.x), near - 1);
     imageStore(outBlurred, texel,
-               uvec4(packHalf2x16(behind.rg), packHalf2x16(vec2(behind.b, min(z, 6e4))),
+               uvec4(packHalf2x16(behind.rg), packHalf2x16(vec2(behind.b, coc)),
                      packHalf2x16(n.rg), packHalf2x16(n.ba)));
 }
