@@ -173,6 +173,12 @@ void addPostOptions(CLI::App& app, frame::PostSettings& settings) {
             ->group(kGroup);
     addSsaoOptions(app, settings.occlusion, ssao);
     addDofOptions(app, settings.dof);
+    app.add_option("--motion-blur", settings.shutter,
+                   "motion blur: the share of the time between two frames of a run that the "
+                   "shutter is open; 0: none")
+        ->type_name("SHUTTER")
+        ->check(CLI::Range(0.0, 1.0))
+        ->group(kGroup);
     addParsed(app, "--post-combine", settings.bilateral, parseCombine,
               "how effects come to full size: bilateral, guided by depth and normals, or linear")
         ->type_name("bilateral|linear")
@@ -200,6 +206,7 @@ void addPostRateOption(CLI::App& app, budget::Levers& levers) {
 
 Json postJson(const frame::PostSettings& s) {
     Json json{{"ssao", s.ssao},
+              {"motion_blur", s.shutter},
               {"combine", s.bilateral ? "bilateral" : "linear"},
               {"inputs", s.downsampled ? "downsampled" : "representatives"}};
     if (s.ssao)

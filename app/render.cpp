@@ -210,11 +210,12 @@ Result<void> checkCapture(const Options& options) {
     for (std::size_t i = 0; i < budget::kTerms; ++i) full &= levers.rate(budget::Term(i)) == 1;
     if (options.budget || !options.settingsFile.empty() || !full || options.settings.showLods ||
         !options.outside.empty() || levers.renderScale != 1 || options.settings.supersample > 1 ||
-        options.settings.temporal.mode != scale::TemporalMode::off)
+        options.settings.temporal.mode != scale::TemporalMode::off ||
+        options.settings.post.shutter > 0)
         return fail(
             "--capture-rate over 1 shades the finest level of detail at full rate: leave out "
-            "--budget, --settings, --shading-rate, --show-lods, --outside, --scale, --supersample "
-            "and --temporal");
+            "--budget, --settings, --shading-rate, --show-lods, --outside, --scale, --supersample, "
+            "--temporal and --motion-blur");
     if (std::max(options.view.size.width, options.view.size.height) > int(16384 / side))
         return fail(fmt::format("--size: at {} samples a pixel at most {} a side", side * side,
                                 16384 / side));

@@ -7,6 +7,7 @@
 #include "lodestar/gpu/prefix_sum_params.h"
 #include "lodestar/post/dof_params.h"
 #include "lodestar/post/max_depth_params.h"
+#include "lodestar/post/motion_blur_params.h"
 #include "lodestar/post/reduce_params.h"
 #include "lodestar/post/ssao_params.h"
 #include "lodestar/post/tonemap_params.h"
@@ -87,6 +88,7 @@ struct AllParams {
     DofParams dof;
     DofBlurParams dofBlur;
     DofDownParams dofDown;
+    MotionBlurParams motionBlur;
 };
 
 LS_NAMESPACE_END
@@ -228,7 +230,9 @@ LS_NAMESPACE_END
     LS_VISIT_LENS(VISIT, p.dof) \
     VISIT(p.dofBlur.size) VISIT(p.dofBlur.fromSize) VISIT(p.dofBlur.axis) \
     VISIT(p.dofBlur.step) VISIT(p.dofBlur.reach) VISIT(p.dofBlur.falloff) \
-    LS_VISIT_LENS(VISIT, p.dofDown.lens) VISIT(p.dofDown.size) VISIT(p.dofDown.first)
+    LS_VISIT_LENS(VISIT, p.dofDown.lens) VISIT(p.dofDown.size) VISIT(p.dofDown.first) \
+    LS_VISIT_GRID(VISIT, p.motionBlur.grid) VISIT(p.motionBlur.tiles) \
+    VISIT(p.motionBlur.shutter) VISIT(p.motionBlur.longest)
 // clang-format on
 
 #endif

@@ -33,6 +33,7 @@ add_library(lodestar STATIC
     upsample/upsample.cpp
     post/dof.cpp
     post/max_depth.cpp
+    post/motion_blur.cpp
     post/reduce.cpp
     post/ssao.cpp
     post/tonemap.cpp
@@ -97,6 +98,10 @@ lodestar_shaders(lodestar
     post/dof_layers.comp
     post/dof_resolve.comp
     post/max_depth.comp
+    post/motion_blur.comp
+    post/motion_blur_combine.comp
+    post/motion_blur_pack.comp
+    post/motion_blur_tiles.comp
     post/reduce.comp
     post/ssao.comp
     post/ssao_blur.comp

@@ -69,6 +69,7 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
                  .lod = options.lod});
 
     if (tracker) tracker->record(rec, *scene, ids(), viewBuffer, steadyClipFromWorld(camera));
+    if (tracker && post) post->moved(motion());
     shade(levers);
     if (options.showLods) {
         rec.barrier(Stage::compute, Stage::compute);
@@ -106,6 +107,7 @@ gpu::FrameTimes Frame::rebuild(const visibility::CompactRecord& from, const scen
     rebuilding->expand.record(rec, *scene, from, clipFromWorld(camera), ids());
     rec.barrier(Stage::compute, Stage::compute);
     if (tracker) tracker->record(rec, *scene, ids(), viewBuffer, steadyClipFromWorld(camera));
+    if (tracker && post) post->moved(motion());
     shade(levers, &from);
     return rec.submit();
 }
@@ -120,6 +122,7 @@ void Frame::begin(const scene::Camera& camera, float renderScale, scale::Tempora
     jitter = 2.0f * scale::jitterOf(mode, pictures++, renderScale) / grid;
     textureScale = scale::textureScaleOf(mode, renderScale);
     focus = std::max(glm::distance(camera.eye, camera.at), 1e-6f);
+    if (post) post->moved(std::nullopt);
     rec.begin();
     lightMaps.update(rec, *scene, cull, camera, aspect);
     writeUniforms(camera);

@@ -40,6 +40,14 @@ std::uint32_t sideOf(std::uint32_t rate) {
     }
 }
 
+/// A grid B whose texels are `side` pixels wide and high.
+shared::EffectiveGrid evenGrid(vk::Extent2D full, float side) {
+    const auto along = [&](std::uint32_t n) {
+        return static_cast<std::uint32_t>(std::ceil(static_cast<float>(n) / side));
+    };
+    return post::effectiveGrid({along(full.width), along(full.height)}, full, glm::vec2(side));
+}
+
 }  // namespace
 
 PostChain::PostChain(const gpu::Device& owner, const scene::GpuScene& scene, const PostSettings& s,
@@ -79,17 +87,15 @@ PostChain::Guides PostChain::gridOf(const PostPicture& p, std::uint32_t rate) co
     if (side == 1)
         return {post::effectiveGrid(full, full, glm::vec2(1)), part(p.surfaces.depth, full),
                 part(p.surfaces.normal, full)};
-    const auto along = [&](std::uint32_t n) {
-        return static_cast<std::uint32_t>(std::ceil(static_cast<float>(n) / side));
-    };
-    vk::Extent2D size{along(full.width), along(full.height)};
-    glm::vec2 perTexel(side);
+    shared::EffectiveGrid grid = evenGrid(full, side);
     if (fromRecord(p)) {
-        size = p.record->base;
-        perTexel = glm::vec2(full.width, full.height) / glm::vec2(size.width, size.height);
+        const vk::Extent2D base = p.record->base;
+        const glm::vec2 perTexel =
+            glm::vec2(full.width, full.height) / glm::vec2(base.width, base.height);
+        grid = post::effectiveGrid(base, full, perTexel);
     }
-    return {post::effectiveGrid(size, full, perTexel), part(inputs.surfaces.depth, size),
-            part(inputs.surfaces.normal, size)};
+    const vk::Extent2D size{grid.size.x, grid.size.y};
+    return {grid, part(inputs.surfaces.depth, size), part(inputs.surfaces.normal, size)};
 }
 
 PostChain::Guides PostChain::recordGuides(gpu::Recorder& rec, const PostPicture& p,
@@ -154,8 +160,23 @@ void PostChain::recordOcclusion(gpu::Recorder& rec, const PostPicture& p,
 
 void PostChain::recordLens(gpu::Recorder& rec, const PostPicture& p, const budget::Levers& levers,
                            gpu::View radiance) {
-    if (!settings.dof) return;
-    const std::uint32_t rate = levers.postRate(budget::Effect::dof), side = sideOf(rate);
+    if (settings.dof) recordDof(rec, p, levers.postRate(budget::Effect::dof), radiance);
+    if (settings.shutter == 0 || !motion) return;
+    const std::uint32_t rate = levers.postRate(budget::Effect::motionBlur), side = sideOf(rate);
+    if (!motionBlur || motionBlur->side > side)
+        motionBlur.emplace(Sized<post::MotionBlur>{side, post::MotionBlur(*device, roomOf(side))});
+    rec.barrier(Stage::compute, Stage::compute);
+    const float pixels = static_cast<float>(side) * p.supersample;
+    motionBlur->pass.record(rec,
+                            {part(p.surfaces.depth, p.ids.extent), *motion,
+                             evenGrid(p.ids.extent, pixels), settings.bilateral},
+                            settings.shutter, radiance);
+    rec.barrier(Stage::compute, Stage::compute);
+}
+
+void PostChain::recordDof(gpu::Recorder& rec, const PostPicture& p, std::uint32_t rate,
+                          gpu::View radiance) {
+    const std::uint32_t side = sideOf(rate);
     if (!dof || dof->side > side)
         dof.emplace(Sized<post::Dof>{
             side, post::Dof(*device, roomOf(side),

@@ -7,6 +7,7 @@
 #include <lodestar/frame/post_settings.hpp>
 #include <lodestar/post/dof.hpp>
 #include <lodestar/post/max_depth.hpp>
+#include <lodestar/post/motion_blur.hpp>
 #include <lodestar/post/ssao.hpp>
 #include <lodestar/upsample/upsample.hpp>
 #include <lodestar/visibility/expand.hpp>
@@ -41,8 +42,10 @@ public:
     /// "upsample" and those of grid B; leaves the terms visible to compute.
     void recordOcclusion(gpu::Recorder&, const PostPicture&, const budget::Levers&,
                          gpu::View terms);
-    /// Depth of field in place in `radiance` (grid O). Adds the passes "dof …" and those of grid B
-    /// and leaves the radiance visible to compute.
+    /// The visibility::Motion of this frame on grid O; without it there is no motion blur.
+    void moved(std::optional<gpu::View> since) { motion = since; }
+    /// Depth of field and motion blur in place in `radiance` (grid O). Adds the passes "dof …",
+    /// "motion blur …" and those of grid B and leaves the radiance visible to compute.
     void recordLens(gpu::Recorder&, const PostPicture&, const budget::Levers&, gpu::View radiance);
 
 private:
@@ -76,6 +79,7 @@ private:
         std::uint32_t side;
         Pass pass;
     };
+    void recordDof(gpu::Recorder&, const PostPicture&, std::uint32_t rate, gpu::View radiance);
     vk::Extent2D roomOf(std::uint32_t side) const;
     Occlusion makeOcclusion(vk::Extent2D) const;
     static Inputs makeInputs(const gpu::Device&, const PostSettings&, vk::Extent2D room);
@@ -85,8 +89,10 @@ private:
     upsample::Sigmas sigmas;
     vk::Extent2D room;
     Inputs inputs;
+    std::optional<gpu::View> motion;
     std::optional<Sized<Occlusion>> occlusion;
     std::optional<Sized<post::Dof>> dof;
+    std::optional<Sized<post::MotionBlur>> motionBlur;
 };
 
 }  // namespace lodestar::frame

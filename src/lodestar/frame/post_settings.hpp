@@ -16,13 +16,15 @@ struct PostSettings {
     /// Depth of field. Focus 0: at the distance of what the camera looks at; full 0: sharp is 1/20
     /// and full 6/10 of the focus.
     std::optional<post::DofOptions> dof;
+    /// Motion blur: the share of the time from frame to frame that the shutter is open, 0 … 1.
+    float shutter = 0;
     /// Results come to grid O by the joint bilateral filter; else by linear interpolation.
     bool bilateral = true;
     /// Inputs by downsampling what grid O has, as the thesis's reference does, in the place of
     /// representatives.
     bool downsampled = false;
 
-    bool any() const { return ssao || dof; }
+    bool any() const { return ssao || dof || shutter > 0; }
 };
 
 }  // namespace lodestar::frame
