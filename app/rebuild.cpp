@@ -73,6 +73,8 @@ vk::Extent2D outputSize(const Options& options, const visibility::Record& record
 }
 
 Result<void> run(Options options) {
+    if (options.settings.post.shutter > 0)
+        return fail("--motion-blur: a stream has no frame before; leave it out");
     const auto bytes = readFile(options.stream);
     if (!bytes) return tl::unexpected(bytes.error());
     const auto stream = visibility::decodeStream(*bytes, printable(options.stream));

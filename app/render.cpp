@@ -222,8 +222,19 @@ Result<void> checkCapture(const Options& options) {
     return {};
 }
 
+/// What effects do not go together with.
+Result<void> checkEffects(const Options& options) {
+    if (!options.settings.post.any()) return {};
+    if (options.levers.resizeAll)
+        return fail("--full-resize shades no picture of full size: leave it or the effects out");
+    if (options.settings.post.downsampled && options.settings.supersample > 1)
+        return fail("--post-inputs downsampled: not with --supersample");
+    return {};
+}
+
 Result<void> run(Options options) {
     if (auto can = checkCapture(options); !can) return can;
+    if (auto can = checkEffects(options); !can) return can;
     if (!options.settingsFile.empty()) {
         const auto levers = readSettings(options.settingsFile);
         if (!levers) return tl::unexpected(levers.error());
