@@ -9,7 +9,7 @@ layout(constant_id = 0) const uint kDownsampled = 0;  // 1: `color` lies on B, w
 
 layout(binding = 0) uniform sampler2D color;      // grid O
 layout(binding = 1) uniform sampler2D depth;      // grid O
-layout(binding = 2, r32f) uniform image2D depthB;  // read; written where downsampled
+layout(binding = 2, r32f) writeonly uniform image2D depthB;  // where downsampled
 layout(binding = 3, rgba32ui) writeonly uniform uimage2D outLayers;
 layout(push_constant, scalar) uniform Push { DofParams params; };
 
@@ -17,22 +17,20 @@ vec2 centreOnO(ivec2 texel) {
     return min((vec2(texel) + 0.5) * params.grid.rate, vec2(params.grid.fullSize) - 0.5);
 }
 
-/// The representative's colour: the mean of those of four pixels of the texel (and the middle one,
-/// should none do) that show what it shows, by their depth.
-vec3 representativeColor(ivec2 texel, float z) {
-    const vec2 centre = centreOnO(texel), r = params.grid.rate;
-    const vec2 last = vec2(params.grid.fullSize) - 1;
-    vec4 sum = vec4(texelFetch(color, ivec2(centre), 0).rgb, 1) * 1e-3;
+/// The mean of four of the texel's pixels, each in the layer of its own depth: no colour comes over
+/// an edge, and the foreground's cover is smooth.
+Layers pixelsOf(ivec2 texel) {
+    const vec2 centre = centreOnO(texel), last = vec2(params.grid.fullSize) - 1;
+    Layers sum = Layers(vec4(0), vec3(0), vec2(0));
     for (int i = 0; i < 4; ++i) {
         // A square on its corner: no two in a row or column.
         const vec2 o = vec2(i == 0 ? -0.125 : i == 1 ? 0.375 : i == 2 ? 0.125 : -0.375,
                             i == 0 ? -0.375 : i == 1 ? -0.125 : i == 2 ? 0.375 : 0.125);
-        const ivec2 at = ivec2(clamp(centre + o * r, vec2(0), last));
-        const float tapZ = texelFetch(depth, at, 0).x;
-        const float w = abs(tapZ - z) <= 0.05 * z ? 1 : 0;
-        sum += w * vec4(texelFetch(color, at, 0).rgb, 1);
+        const ivec2 at = ivec2(clamp(centre + o * params.grid.rate, vec2(0), last));
+        const float coc = cocOf(params, texelFetch(depth, at, 0).x);
+        add(sum, layersOf(texelFetch(color, at, 0).rgb, coc), 0.25);
     }
-    return sum.rgb / sum.w;
+    return sum;
 }
 
 void main() {
@@ -44,7 +42,5 @@ void main() {
         imageStore(outLayers, texel, packLayers(layersOf(c.rgb, c.w)));
         return;
     }
-    const float z = imageLoad(depthB, texel).x;
-    imageStore(outLayers, texel,
-               packLayers(layersOf(representativeColor(texel, z), cocOf(params, z))));
+    imageStore(outLayers, texel, packLayers(pixelsOf(texel)));
 }
