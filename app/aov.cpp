@@ -15,8 +15,8 @@
 namespace lodestar::app {
 namespace {
 
-constexpr std::array kNames{"depth",     "normal", "albedo", "roughness", "metallic",
-                            "occlusion", "id",     "shadow", "ao",        "motion"};
+constexpr std::array kNames{"depth", "normal", "albedo", "roughness", "metallic", "occlusion",
+                            "id",    "shadow", "ao",     "ssao",      "motion"};
 
 /// What a picture's pixels are made of, read back once.
 struct Planes {
@@ -74,6 +74,9 @@ std::vector<ExrChannel> makeAov(const Planes& p, const std::string& name) {
     if (name == "ao")
         return channels<vec1>(p, one,
                               [&](auto i) { return vec1(glm::unpackHalf4x16(p.terms[i]).y); });
+    if (name == "ssao")  // as "ao": the share that is seen
+        return channels<vec1>(p, one,
+                              [&](auto i) { return vec1(1 - glm::unpackHalf4x16(p.terms[i]).w); });
     return channels<vec1>(p, one, [&](auto i) { return vec1(static_cast<float>(p.ids[i])); });
 }
 

@@ -12,6 +12,7 @@
 #include "app/capture.hpp"
 #include "app/cli.hpp"
 #include "app/geometry_options.hpp"
+#include "app/post_options.hpp"
 
 namespace lodestar::app {
 namespace {
@@ -214,6 +215,7 @@ void addLeverOptions(CLI::App& app, budget::Levers& levers) {
         ->check(CLI::Range(0.5, 2.0))
         ->capture_default_str()
         ->group(kGroup);
+    addPostRateOption(app, levers);
 }
 
 Json leversJson(const budget::Levers& levers) {
@@ -223,7 +225,7 @@ Json leversJson(const budget::Levers& levers) {
     return {{"shading_rate", levers.shadingRate}, {"rates", rates},
             {"render_scale", levers.renderScale}, {"repair", levers.repair},
             {"local_rate", levers.localRate},     {"full_resize", levers.resizeAll},
-            {"layer_scale", levers.layerScale}};
+            {"layer_scale", levers.layerScale},   {"post_rates", postRatesJson(levers)}};
 }
 
 void addFrameOptions(CLI::App& app, frame::FrameSettings& settings) {
@@ -366,6 +368,7 @@ void addFrameOptions(CLI::App& app, frame::FrameSettings& settings) {
         ->type_name("auto|X")
         ->default_str("auto")
         ->group(kGroup);
+    addPostOptions(app, settings.post);
 }
 
 Json settingsJson(const frame::FrameSettings& s) {
@@ -399,6 +402,7 @@ Json settingsJson(const frame::FrameSettings& s) {
             {"noise_warps", s.noiseWarps},
             {"noise_scale", s.noiseScale},
             {"to_sun", {s.toSun.x, s.toSun.y, s.toSun.z}},
+            {"post", postJson(s.post)},
             {"exposure", s.exposure == kMetered ? Json("auto") : Json(s.exposure)}};
 }
 

@@ -14,6 +14,7 @@
 #include "app/frame_options.hpp"
 #include "app/image_io.hpp"
 #include "app/judge.hpp"
+#include "app/post_options.hpp"
 
 namespace lodestar::app {
 namespace {
@@ -28,6 +29,7 @@ struct Options {
     std::optional<PictureSize> size;
     frame::FrameSettings settings;
     double shadingRate = 1;
+    budget::Levers levers;  ///< the rates of effects
     bool antialias = false, reference = false;
     fs::path out, json;
 };
@@ -71,6 +73,8 @@ vk::Extent2D outputSize(const Options& options, const visibility::Record& record
 }
 
 Result<void> run(Options options) {
+    if (options.settings.post.shutter > 0)
+        return fail("--motion-blur: a stream has no frame before; leave it out");
     const auto bytes = readFile(options.stream);
     if (!bytes) return tl::unexpected(bytes.error());
     const auto stream = visibility::decodeStream(*bytes, printable(options.stream));
@@ -97,9 +101,10 @@ Result<void> run(Options options) {
     options.settings.aspect = stream->aspect;
     frame::Frame frame(*session->device, *session->gpuScene, options.settings);
     const visibility::CompactRecord onGpu = visibility::uploadRecord(*session->device, record);
-    const budget::Levers levers{.shadingRate = static_cast<float>(options.shadingRate)};
+    budget::Levers levers = options.levers;
+    levers.shadingRate = static_cast<float>(options.shadingRate);
     const gpu::FrameTimes times = options.antialias
-                                      ? frame.rebuildAntialiased(onGpu, stream->camera)
+                                      ? frame.rebuildAntialiased(onGpu, stream->camera, levers)
                                       : frame.rebuild(onGpu, stream->camera, levers);
     const quality::RgbImage picture = readDisplay(*session->device, frame);
     if (auto written = writePng(options.out, picture); !written) return written;
@@ -125,6 +130,7 @@ Result<void> run(Options options) {
         describeDevice(*session, report);
         report.settings = settingsJson(options.settings);
         report.settings["shading_rate"] = options.shadingRate;
+        report.settings["post_rates"] = postRatesJson(levers);
         report.settings["antialias"] = options.antialias;
         report.settings["capture_rate"] = rate;
         report.settings["capture_width"] = record.width;
@@ -174,6 +180,7 @@ void addRebuild(CLI::App& app, int& exitCode) {
         ->group("Shading");
     command->add_flag("--reference", o->reference,
                       "also render the scene directly at this size and report PSNR, SSIM and FLIP");
+    addPostRateOption(*command, o->levers);
     addFrameOptions(*command, o->settings);
     addJsonOption(*command, o->json);
     addDeviceOption(*command, o->device.device);

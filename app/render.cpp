@@ -211,23 +211,37 @@ Result<void> checkCapture(const Options& options) {
     for (std::size_t i = 0; i < budget::kTerms; ++i) full &= levers.rate(budget::Term(i)) == 1;
     if (options.budget || !options.settingsFile.empty() || !full || options.settings.showLods ||
         !options.outside.empty() || levers.renderScale != 1 || options.settings.supersample > 1 ||
-        options.settings.temporal.mode != scale::TemporalMode::off)
+        options.settings.temporal.mode != scale::TemporalMode::off ||
+        options.settings.post.shutter > 0)
         return fail(
             "--capture-rate over 1 shades the finest level of detail at full rate: leave out "
-            "--budget, --settings, --shading-rate, --show-lods, --outside, --scale, --supersample "
-            "and --temporal");
+            "--budget, --settings, --shading-rate, --show-lods, --outside, --scale, --supersample, "
+            "--temporal and --motion-blur");
     if (std::max(options.view.size.width, options.view.size.height) > int(16384 / side))
         return fail(fmt::format("--size: at {} samples a pixel at most {} a side", side * side,
                                 16384 / side));
     return {};
 }
 
+/// What effects do not go together with.
+Result<void> checkEffects(const Options& options) {
+    if (!options.settings.post.any()) return {};
+    if (options.levers.resizeAll)
+        return fail("--full-resize shades no picture of full size: leave it or the effects out");
+    if (options.settings.post.downsampled && options.settings.supersample > 1)
+        return fail("--post-inputs downsampled: not with --supersample");
+    return {};
+}
+
 Result<void> run(Options options) {
     if (auto can = checkCapture(options); !can) return can;
+    if (auto can = checkEffects(options); !can) return can;
     if (!options.settingsFile.empty()) {
         const auto levers = readSettings(options.settingsFile);
         if (!levers) return tl::unexpected(levers.error());
+        const auto effects = options.levers.postRates;  // of which the file says nothing
         options.levers = *levers;
+        options.levers.postRates = effects;
     }
     options.settings.captureSide = options.capture.side;
     options.settings.capture = options.capture.backend;
@@ -251,7 +265,9 @@ Result<void> run(Options options) {
         if (!done) return tl::unexpected(done.error());
         tuning = std::move(*done);
         printTuning(*tuning);
+        const auto effects = options.levers.postRates;
         options.levers = tuning->levers;
+        options.levers.postRates = effects;
     }
     RunOptions runOptions{
         .frames = options.frames,
@@ -437,7 +453,7 @@ void addRender(CLI::App& app, int& exitCode) {
     addFrameOptions(*command, o->settings);
     addParsed(*command, "--aov", o->aovs, parseAovs,
               "also write these as EXR beside --out: depth, normal, albedo, roughness, metallic, "
-              "occlusion, id, shadow, ao, motion")
+              "occlusion, id, shadow, ao, ssao, motion")
         ->type_name("NAME[,NAME]");
     addJsonOption(*command, o->json);
     addDeviceOption(*command, o->device.device);

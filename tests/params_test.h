@@ -6,7 +6,11 @@
 #include "lodestar/geometry/show_lods_params.h"
 #include "lodestar/geometry/tessellate_params.h"
 #include "lodestar/gpu/prefix_sum_params.h"
+#include "lodestar/post/dof_params.h"
+#include "lodestar/post/max_depth_params.h"
+#include "lodestar/post/motion_blur_params.h"
 #include "lodestar/post/reduce_params.h"
+#include "lodestar/post/ssao_params.h"
 #include "lodestar/post/tonemap_params.h"
 #include "lodestar/scale/spatial_params.h"
 #include "lodestar/scale/temporal_params.h"
@@ -91,6 +95,13 @@ struct AllParams {
     TemporalParams temporal;
     TemporalSourceParams temporalSource;
     TemporalShowParams temporalShow;
+    EffectiveGrid effectiveGrid;
+    SsaoParams ssao;
+    MaxDepthParams maxDepth;
+    DofParams dof;
+    DofBlurParams dofBlur;
+    DofDownParams dofDown;
+    MotionBlurParams motionBlur;
 };
 
 LS_NAMESPACE_END
@@ -114,6 +125,10 @@ LS_NAMESPACE_END
 #define LS_VISIT_LIST(VISIT, a) \
     LS_VISIT_3(VISIT, a.groups) VISIT(a.count) LS_VISIT_3(VISIT, a.blocks) VISIT(a.dropped) \
     LS_VISIT_3(VISIT, a.slots) VISIT(a.unused)
+#define LS_VISIT_GRID(VISIT, g) VISIT(g.size) VISIT(g.fullSize) VISIT(g.rate)
+#define LS_VISIT_LENS(VISIT, l) \
+    LS_VISIT_GRID(VISIT, l.grid) VISIT(l.focus) VISIT(l.sharp) VISIT(l.slope) \
+    VISIT(l.thesis) VISIT(l.cocFalloff) VISIT(l.steps)
 #define LS_VISIT_ALL(VISIT, p) \
     VISIT(p.vertex.position) VISIT(p.vertex.normal) \
     VISIT(p.attributes.uv) VISIT(p.attributes.tangent) VISIT(p.attributes.color) \
@@ -242,7 +257,15 @@ LS_NAMESPACE_END
     VISIT(p.temporalSource.lastBefore) VISIT(p.temporalSource.liveBefore) \
     VISIT(p.temporalSource.jitterBefore) VISIT(p.temporalSource.size) \
     VISIT(p.temporalSource.k) VISIT(p.temporalSource.known) VISIT(p.temporalSource.layered) \
-    VISIT(p.temporalShow.size) VISIT(p.temporalShow.sharpness)
+    VISIT(p.temporalShow.size) VISIT(p.temporalShow.sharpness) \
+    LS_VISIT_GRID(VISIT, p.effectiveGrid) LS_VISIT_GRID(VISIT, p.ssao.grid) VISIT(p.ssao.radius) VISIT(p.ssao.bias) \
+    VISIT(p.ssao.strength) VISIT(p.ssao.samples) VISIT(p.maxDepth.size) \
+    LS_VISIT_LENS(VISIT, p.dof) \
+    VISIT(p.dofBlur.size) VISIT(p.dofBlur.fromSize) VISIT(p.dofBlur.axis) \
+    VISIT(p.dofBlur.step) VISIT(p.dofBlur.reach) VISIT(p.dofBlur.falloff) \
+    LS_VISIT_LENS(VISIT, p.dofDown.lens) VISIT(p.dofDown.size) VISIT(p.dofDown.first) \
+    LS_VISIT_GRID(VISIT, p.motionBlur.grid) VISIT(p.motionBlur.tiles) \
+    VISIT(p.motionBlur.shutter) VISIT(p.motionBlur.longest)
 // clang-format on
 
 #endif

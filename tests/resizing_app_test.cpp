@@ -108,6 +108,45 @@ TEST(LeverOptions, allOfThemReachTheFrameInAnyOrder) {
     EXPECT_EQ(c.at("full_resize"), true);
 }
 
+TEST(EffectOptions, reachTheFrameAndWrongOnesAreRefusedInALine) {
+    const TempFolder folder;
+    const std::string report = (folder / "r.json").string();
+    const std::string command = "render builtin:spheres --size 48x32 --out " +
+                                (folder / "p.png").string() + " --json " + report;
+    const auto [status, error] =
+        run(folder, command +
+                        " --dof-radius 0.02 --dof 4,0.5,3 --ssao --ssao-radius 0.4 "
+                        "--motion-blur 0.5 --post-rate ssao=16,dof=1 --post-combine linear "
+                        "--frames 2 --path orbit:4 --validate");
+    EXPECT_EQ(status, 0) << error;
+    const Json settings = Json::parse(contents(report)).at("settings");
+    const Json& post = settings.at("post");
+    EXPECT_EQ(post.at("ssao"), true);
+    EXPECT_NEAR(post.at("ssao_radius").get<double>(), 0.4, 1e-6);
+    EXPECT_EQ(post.at("dof_focus"), 4);
+    EXPECT_EQ(post.at("dof_full"), 3);
+    EXPECT_NEAR(post.at("dof_radius").get<double>(), 0.02, 1e-6);
+    EXPECT_EQ(post.at("motion_blur"), 0.5);
+    EXPECT_EQ(post.at("combine"), "linear");
+    EXPECT_EQ(settings.at("post_rates").at("ssao"), 16);
+    EXPECT_EQ(settings.at("post_rates").at("dof"), 1);
+    EXPECT_EQ(settings.at("post_rates").at("motion-blur"), 4);
+    for (const auto& [wrong, exitCode] : {std::pair{" --post-rate 5", 2},
+                                          {" --post-rate bloom=4", 2},
+                                          {" --dof 4,3", 2},
+                                          {" --dof 4,3,2", 2},
+                                          {" --dof 0", 2},
+                                          {" --ssao-radius 1", 2},
+                                          {" --motion-blur 2", 2},
+                                          {" --post-combine cubic", 2},
+                                          {" --ssao --full-resize --shading-rate 2", 1},
+                                          {" --motion-blur 0.5 --capture-rate 4", 1}}) {
+        const auto [refused, line] = run(folder, command + wrong);
+        EXPECT_EQ(refused, exitCode) << wrong;
+        EXPECT_FALSE(line.empty()) << wrong;
+    }
+}
+
 TEST(SettingsFile, thatIsWrongIsRefusedAndSaysWhere) {
     const TempFolder folder;
     const auto file = folder / "s.json";

@@ -22,6 +22,11 @@ Bench splitBench();
 Bench scalingFiltersBench();
 /// Quality over time of joined pictures, against full quality and against none joined.
 Bench temporalBench();
+/// Figures 8 to 11 of the thesis: effects at effective resolution, against its REF.
+Bench ssaoBench();
+Bench dofBench();
+/// Motion blur at S = 1 and 0.71.
+Bench motionBlurBench();
 /// How well a budget is held along a camera path.
 Bench budgetHoldBench();
 /// Tables 1 and 2 of the thesis: attributes and shading rebuilt from visibility, against REF.

@@ -36,7 +36,11 @@ add_library(lodestar STATIC
     upsample/refine.cpp
     upsample/repair.cpp
     upsample/upsample.cpp
+    post/dof.cpp
+    post/max_depth.cpp
+    post/motion_blur.cpp
     post/reduce.cpp
+    post/ssao.cpp
     post/tonemap.cpp
     scale/spatial.cpp
     scale/temporal.cpp
@@ -47,6 +51,7 @@ add_library(lodestar STATIC
     frame/frame_setup.cpp
     frame/light_maps.cpp
     frame/motion_tracker.cpp
+    frame/post_chain.cpp
 )
 add_library(lodestar::lodestar ALIAS lodestar)
 target_link_libraries(lodestar
@@ -102,7 +107,19 @@ lodestar_shaders(lodestar
     upsample/repair_compact.comp
     upsample/repair_cut.comp
     upsample/upsample.comp
+    post/dof_blur.comp
+    post/dof_combine.comp
+    post/dof_down.comp
+    post/dof_layers.comp
+    post/dof_resolve.comp
+    post/max_depth.comp
+    post/motion_blur.comp
+    post/motion_blur_combine.comp
+    post/motion_blur_pack.comp
+    post/motion_blur_tiles.comp
     post/reduce.comp
+    post/ssao.comp
+    post/ssao_blur.comp
     post/tonemap.comp
     scale/spatial.comp
     scale/temporal.comp

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -14,6 +15,11 @@ namespace lodestar::budget {
 enum class Term { shadow, ao, noise };
 inline constexpr std::array<std::string_view, 3> kTermNames{"shadow", "ao", "noise"};
 inline constexpr std::size_t kTerms = kTermNames.size();
+
+/// The effects that are computed on a grid B of their own.
+enum class Effect { ssao, dof, motionBlur };
+inline constexpr std::array<std::string_view, 3> kEffectNames{"ssao", "dof", "motion-blur"};
+inline constexpr std::size_t kEffects = kEffectNames.size();
 
 /// What a frame may spend. Everything that decides writes this; everything that renders reads it.
 struct Levers {
@@ -36,6 +42,12 @@ struct Levers {
     /// The whole shading goes to grid S, not the expensive terms alone (the paper's full resizing).
     bool resizeAll = false;
 
+    /// Pixels of O that share a texel of grid B, by effect: 1, 4, 16 or 64.
+    std::array<std::uint32_t, kEffects> postRates{1, 1, 1};
+
+    std::uint32_t postRate(Effect effect) const {
+        return postRates[static_cast<std::size_t>(effect)];
+    }
     float rate(Term term) const {
         return 1 + (shadingRate - 1) * split[static_cast<std::size_t>(term)];
     }

@@ -10,6 +10,7 @@
 #include <lodestar/shading/coarse_params.h>
 #include <lodestar/upsample/refine_params.h>
 #include <lodestar/upsample/upsample_params.h>
+#include <lodestar/frame/post_chain.hpp>
 #include <lodestar/frame/targets.hpp>
 #include <lodestar/gpu/readback.hpp>
 #include <lodestar/post/exposure.hpp>
@@ -52,7 +53,7 @@ void check(const budget::Levers& levers) {
 }  // namespace
 
 gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers& levers) {
-    if (options.captureSide > 1) return renderSamples(camera);
+    if (options.captureSide > 1) return renderSamples(camera, levers);
     if (options.exposure == 0) {
         options.exposure = 1;
         render(camera, {});
@@ -75,6 +76,7 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
                  .wavePx = options.wavePx});
 
     if (tracker) tracker->record(rec, *scene, ids(), viewBuffer, steadyClipFromWorld(camera));
+    if (tracker && post) post->moved(motion());
     shade(levers);
     if (options.showLods) {
         rec.barrier(Stage::compute, Stage::compute);
@@ -113,7 +115,8 @@ gpu::FrameTimes Frame::rebuild(const visibility::CompactRecord& from, const scen
     rebuilding->expand.record(rec, *scene, from, clipFromWorld(camera), ids());
     rec.barrier(Stage::compute, Stage::compute);
     if (tracker) tracker->record(rec, *scene, ids(), viewBuffer, steadyClipFromWorld(camera));
-    shade(levers);
+    if (tracker && post) post->moved(motion());
+    shade(levers, &from);
     return finish();
 }
 
@@ -127,12 +130,16 @@ void Frame::begin(const scene::Camera& camera, float renderScale, scale::Tempora
     jitter = 2.0f * scale::jitterOf(mode, pictures++, renderScale) / grid;
     textureScale = scale::textureScaleOf(mode, renderScale);
     submitted = {};
+    focus = std::max(glm::distance(camera.eye, camera.at), 1e-6f);
+    if (post) post->moved(std::nullopt);
     rec.begin();
     lightMaps.update(rec, *scene, cull, camera, aspect);
     writeUniforms(camera);
 }
 
-void Frame::shade(const budget::Levers& levers) {
+void Frame::shade(const budget::Levers& levers, const visibility::CompactRecord* from) {
+    if (post && levers.resizeAll)
+        throw std::invalid_argument("Levers::resizeAll: not with FrameSettings::post");
     if (levers.resizeAll && levers.shadingRate > 1) {
         shadeOnGridS(levers.shadingRate * static_cast<float>(options.supersample));
         blendLayer(levers.layerScale);
@@ -142,6 +149,7 @@ void Frame::shade(const budget::Levers& levers) {
     // What is exact on grid O, and the expensive terms on grids S.
     rebuildPass.record(rec, *scene, {ids(), viewBuffer, {}, live, textureScale}, surfaces);
     evaluateTerms(levers);
+    if (post) post->recordOcclusion(rec, picture(from), levers, terms());
     rec.barrier(Stage::compute, Stage::compute);
 
     combine.record(rec,
@@ -149,6 +157,7 @@ void Frame::shade(const budget::Levers& levers) {
                     termImage, skyImage, scene->lights},
                    radiance());
     blendLayer(levers.layerScale);
+    if (post) post->recordLens(rec, picture(from), levers, radiance());
     show();
 }
 
@@ -165,6 +174,17 @@ gpu::FrameTimes Frame::finish() {
     gpu::FrameTimes times = rec.submit();
     times.precede(submitted);
     return times;
+}
+
+PostPicture Frame::picture(const visibility::CompactRecord* from) const {
+    return {.scene = *scene,
+            .view = viewBuffer,
+            .ids = ids(),
+            .surfaces = surfaces,
+            .record = from,
+            .expand = rebuilding ? &rebuilding->expand : nullptr,
+            .focus = focus,
+            .supersample = static_cast<float>(options.supersample)};
 }
 
 /// From the radiance on grid O to the picture.

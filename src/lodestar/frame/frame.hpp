@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 
 #include <lodestar/budget/levers.hpp>
@@ -9,6 +10,7 @@
 #include <lodestar/frame/capture_frame.hpp>
 #include <lodestar/frame/light_maps.hpp>
 #include <lodestar/frame/motion_tracker.hpp>
+#include <lodestar/frame/post_settings.hpp>
 #include <lodestar/geometry/cull.hpp>
 #include <lodestar/geometry/show_lods.hpp>
 #include <lodestar/geometry/tessellate.hpp>
@@ -30,6 +32,9 @@
 
 namespace lodestar::frame {
 
+class PostChain;
+struct PostPicture;
+
 /// What stays the same from frame to frame. What a budget may change is in budget::Levers.
 struct FrameSettings {
     vk::Extent2D size{1280, 720};
@@ -49,6 +54,7 @@ struct FrameSettings {
     float noiseScale = 0;      ///< cells of its first octave [scene units]; 0 = 1/8 of the scene
     float leastWeight = 0.1f;  ///< pixels reconstructed from less may be repaired
     bool motion = false;       ///< make motion vectors of every picture; temporal does so too
+    PostSettings post;         ///< effects
     scale::TemporalOptions temporal;  ///< of render(): how the pictures of a sequence are joined
     float exposure = 1;               ///< 0: metered on the first frame, and kept
     float aspect = 0;                 ///< width / height that the picture shows; 0 = that of `size`
@@ -76,7 +82,10 @@ public:
     /// Throws std::invalid_argument for settings out of range.
     Frame(const gpu::Device&, const scene::GpuScene&, const FrameSettings&);
 
-    /// Renders one picture and waits for it. With several samples a pixel the levers have no say.
+    ~Frame();
+
+    /// Renders one picture and waits for it. With several samples a pixel the levers
+    /// have no say but in the effects.
     gpu::FrameTimes render(const scene::Camera&, const budget::Levers&);
     /// What the last render() drew, seen from elsewhere at full quality: what its culling left out
     /// is missing, levels of detail are those it picked.
@@ -86,10 +95,12 @@ public:
     /// capture of the same camera and aspect.
     gpu::FrameTimes rebuild(const visibility::CompactRecord&, const scene::Camera&,
                             const budget::Levers&);
-    /// Anti-aliased, at the size of the record's grid B and at full shading rate: every surface a
+    /// Anti-aliased, at the size of the record's grid B and at full shading rate (of the levers
+    /// those of the effects count): every surface a
     /// pixel lists weighs as many samples as show it, and is shaded once for all pixels around
     /// that show it too.
-    gpu::FrameTimes rebuildAntialiased(const visibility::CompactRecord&, const scene::Camera&);
+    gpu::FrameTimes rebuildAntialiased(const visibility::CompactRecord&, const scene::Camera&,
+                                       const budget::Levers& = {});
     /// Of the last rebuildAntialiased: fragments shaded beyond one a pixel.
     std::uint32_t furtherFragments() const { return smooth ? smooth->set.found().further : 0; }
 
@@ -134,12 +145,13 @@ private:
     Frame(const gpu::Device&, const scene::GpuScene&, const FrameSettings&, vk::Extent2D shown);
     /// Begins a picture: its grid O, light maps and uniforms.
     void begin(const scene::Camera&, float renderScale, scale::TemporalMode);
-    gpu::FrameTimes renderSamples(const scene::Camera&);
-    void shade(const budget::Levers&);
+    gpu::FrameTimes renderSamples(const scene::Camera&, const budget::Levers&);
+    void shade(const budget::Levers&, const visibility::CompactRecord* from = nullptr);
     /// Blended surfaces over the radiance, where the scene has them.
     void blendLayer(float scale);
     /// Submits what is recorded of the picture; the times are those of all of it.
     gpu::FrameTimes finish();
+    PostPicture picture(const visibility::CompactRecord* from) const;
     /// From radiance on grid O to the display.
     void show();
     void evaluateTerms(const budget::Levers&);
@@ -189,6 +201,7 @@ private:
     vk::Extent2D live;    ///< the part of them that is grid O of this frame
     glm::vec2 jitter{0};  ///< of this frame [NDC]
     float textureScale = 1;
+    float focus = 1;  ///< distance of what the camera looks at
     shading::Sky sky;
     std::array<glm::vec3, 9> irradiance;  ///< of the sky
     glm::vec3 sunIlluminance{0};
@@ -222,6 +235,7 @@ private:
 
     std::optional<BlendedLayer> layer;
     gpu::FrameTimes submitted;  ///< of this picture, before what is being recorded
+    std::unique_ptr<PostChain> post;
     std::optional<MotionTracker> tracker;
     std::optional<scale::Temporal> temporal;
     scale::TemporalMode joining = scale::TemporalMode::off;  ///< of this frame

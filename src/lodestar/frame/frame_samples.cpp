@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include <lodestar/shading/coarse_params.h>
+#include <lodestar/frame/post_chain.hpp>
 #include <lodestar/frame/targets.hpp>
 
 // Several samples a pixel: captured, compacted, and blended by what each surface covers.
@@ -14,7 +15,7 @@ using gpu::Stage;
 using Usage = vk::ImageUsageFlagBits;
 
 /// Captured, compacted and rebuilt in one go.
-gpu::FrameTimes Frame::renderSamples(const scene::Camera& camera) {
+gpu::FrameTimes Frame::renderSamples(const scene::Camera& camera, const budget::Levers& levers) {
     if (!samples) {
         CaptureSettings settings{
             .base = options.size, .side = options.captureSide, .backend = options.capture};
@@ -23,7 +24,7 @@ gpu::FrameTimes Frame::renderSamples(const scene::Camera& camera) {
         samples.emplace(*device, *scene, settings);
     }
     const gpu::FrameTimes captured = samples->capture(camera).times;
-    gpu::FrameTimes times = rebuildAntialiased(samples->compact(), camera);
+    gpu::FrameTimes times = rebuildAntialiased(samples->compact(), camera, levers);
     times.gpuMs += captured.gpuMs;
     times.wallMs += captured.wallMs;
     times.passes.insert(times.passes.begin(), captured.passes.begin(), captured.passes.end());
@@ -46,12 +47,13 @@ Frame::Smooth Frame::makeSmooth(std::uint32_t side, std::uint32_t capacity) cons
 }
 
 gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
-                                          const scene::Camera& camera) {
+                                          const scene::Camera& camera,
+                                          const budget::Levers& levers) {
     if (from.base != options.size)
         throw std::invalid_argument("Frame::rebuildAntialiased: the record has another size");
     if (options.exposure == 0) {
         options.exposure = 1;
-        rebuildAntialiased(from, camera);
+        rebuildAntialiased(from, camera, levers);
         meter();
     }
     if (!smooth || smooth->side != from.side)
@@ -68,6 +70,12 @@ gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
             rec, *scene,
             {ids, lightMaps.sunMap(), lightMaps.skyMaps(), viewBuffer, lightBuffer, points},
             shared::LS_ALL_TERMS, terms);
+        // What the screen shows occludes the fragments that it shows.
+        if (post && terms.image == termImage.view().image) {
+            PostPicture shown = picture(nullptr);
+            shown.ids = ids;
+            post->recordOcclusion(rec, shown, levers, terms);
+        }
         rec.barrier(Stage::compute, Stage::compute);
         combine.record(rec,
                        {viewBuffer, lightBuffer, surface.depth, surface.material, surface.emissive,
@@ -88,7 +96,7 @@ gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
         // Rare enough to begin again, in a set that has room.
         const std::uint32_t needed = set.found().further;
         smooth.emplace(makeSmooth(from.side, needed + needed / 4));
-        return rebuildAntialiased(from, camera);
+        return rebuildAntialiased(from, camera, levers);
     }
 
     // The few that are left.
@@ -102,6 +110,11 @@ gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
     }
     submitted = first;
     blendLayer(1);
+    if (post) {
+        PostPicture shown = picture(nullptr);
+        shown.ids = part(set.ids, live);
+        post->recordLens(rec, shown, levers, radiance());
+    }
     show();
     return finish();
 }

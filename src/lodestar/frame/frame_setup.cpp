@@ -9,6 +9,7 @@
 
 #include <lodestar/shading/light_params.h>
 #include <lodestar/visibility/view_params.h>
+#include <lodestar/frame/post_chain.hpp>
 #include <lodestar/frame/targets.hpp>
 #include <lodestar/gpu/readback.hpp>
 
@@ -97,6 +98,12 @@ const FrameSettings& checked(const FrameSettings& s) {
             "FrameSettings::captureSide: not with supersample, maxScale, motion or temporal");
     if (s.supersample > 1 && s.temporal.mode != scale::TemporalMode::off)
         throw std::invalid_argument("FrameSettings::temporal: not with supersample");
+    if (!(s.post.shutter >= 0 && s.post.shutter <= 1))
+        throw std::invalid_argument("PostSettings::shutter must be 0 … 1");
+    if (s.captureSide > 1 && s.post.shutter > 0)
+        throw std::invalid_argument("PostSettings::shutter: not with captureSide over 1");
+    if (s.post.downsampled && s.supersample > 1)
+        throw std::invalid_argument("PostSettings::downsampled: not with supersample");
     return s;
 }
 
@@ -166,8 +173,9 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       surfaces(owner, room),
       rec(owner) {
     if (gpuScene.features().blended) layer.emplace(owner, gpuScene, room);
+    if (s.post.any()) post = std::make_unique<PostChain>(owner, gpuScene, s.post, s.sigmas, room);
     const bool joins = s.temporal.mode != scale::TemporalMode::off;
-    if (s.motion || joins) tracker.emplace(owner, gpuScene, room);
+    if (s.motion || joins || s.post.shutter > 0) tracker.emplace(owner, gpuScene, room);
     if (joins) temporal.emplace(owner, room, s.size, s.temporal);
     // A sun of the file has the colour it says. Its strength sets what a lux is: the sky is as
     // bright beside it as beside the real sun, lamps and emissive surfaces as the file has them.
@@ -178,6 +186,8 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
         sunIlluminance = light->color * (light->intensity * perLux);
     }
 }
+
+Frame::~Frame() = default;
 
 Frame::Whole Frame::makeWhole() const {
     const auto image = [&](vk::Format format, const char* name) {

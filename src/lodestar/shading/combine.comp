@@ -18,7 +18,7 @@ layout(binding = 1, scalar) uniform Light { LightParams light; };
 layout(binding = 2) uniform sampler2D surfaceDepth;
 layout(binding = 3) uniform usampler2D surfaceMaterial;
 layout(binding = 4) uniform sampler2D surfaceEmissive;
-layout(binding = 5) uniform sampler2D terms;  // visibility of sun and sky, pattern
+layout(binding = 5) uniform sampler2D terms;  // visibility of sun and sky, pattern, occlusion
 layout(binding = 6) uniform sampler2D sky;
 layout(binding = 7, scalar) readonly buffer Lights { GpuLight lights[]; };
 layout(binding = 8, rgba16f) writeonly uniform image2D outRadiance;
@@ -78,7 +78,7 @@ void main() {
     const uvec4 material = texelFetch(surfaceMaterial, pixel, 0);
     const vec4 albedo = unpackUnorm4x8(material.x);  // a: occlusion
     const vec2 roughMetal = unpackUnorm4x8(material.y).xy;
-    const vec3 term = texelFetch(terms, pixel, 0).xyz;
+    const vec4 term = texelFetch(terms, pixel, 0);
     const vec2 visible = term.xy;
     const vec3 base = albedo.rgb * albedo.rgb * veins(term.z);
     const Surface s = makeSurface(base, roughMetal.x, roughMetal.y,
@@ -95,7 +95,7 @@ void main() {
     }
 
     // Where the sky is hidden, what hides it sends back some of the light it gets.
-    const float fromSky = albedo.a * mix(kBounced, 1, visible.y);
+    const float fromSky = albedo.a * mix(kBounced, 1, visible.y) * (1 - term.w);
     const vec3 mirrored = environmentReflectance(s);
     vec3 radiance = reflected(s, light.toSun) * light.sunIlluminance * visible.x;
     radiance += (1 - mirrored) * s.diffuse * skyIrradiance(light.irradiance, s.normal) *

@@ -58,11 +58,17 @@ gpu::Kernel makeKernel(const gpu::Device& device, const scene::SceneFeatures& fe
 }  // namespace
 
 Surface::Surface(const gpu::Device& device, vk::Extent2D extent)
-    : depth(surfaceImage(device, extent, vk::Format::eR32Sfloat, "surface: depth")),
-      normal(surfaceImage(device, extent, vk::Format::eR32Uint, "surface: normal")),
-      material(surfaceImage(device, extent, vk::Format::eR32G32B32A32Uint, "surface: material")),
-      emissive(surfaceImage(device, extent, vk::Format::eR16G16B16A16Sfloat, "surface: emissive")) {
+    : Surface(device, extent, extent) {}
+
+Surface Surface::guides(const gpu::Device& device, vk::Extent2D extent) {
+    return {device, extent, {1, 1}};
 }
+
+Surface::Surface(const gpu::Device& device, vk::Extent2D guides, vk::Extent2D rest)
+    : depth(surfaceImage(device, guides, vk::Format::eR32Sfloat, "surface: depth")),
+      normal(surfaceImage(device, guides, vk::Format::eR32Uint, "surface: normal")),
+      material(surfaceImage(device, rest, vk::Format::eR32G32B32A32Uint, "surface: material")),
+      emissive(surfaceImage(device, rest, vk::Format::eR16G16B16A16Sfloat, "surface: emissive")) {}
 
 Rebuild::Rebuild(const gpu::Device& device, const scene::SceneFeatures& features, bool guidesAlone)
     : textureSampler(makeTextureSampler(device)),
@@ -72,7 +78,7 @@ Rebuild::Rebuild(const gpu::Device& device, const scene::SceneFeatures& features
 
 void Rebuild::record(gpu::Recorder& rec, const scene::GpuScene& scene, const Inputs& in,
                      const Surface& out) const {
-    const auto pass = rec.pass("rebuild");
+    const auto pass = rec.pass(in.pass);
     const vk::Extent2D grid = in.grid.width > 0 ? in.grid : in.ids.extent;
     const shared::RebuildParams params{
         .pixelNdc = {2 / static_cast<float>(grid.width), 2 / static_cast<float>(grid.height)},

@@ -11,6 +11,8 @@ namespace lodestar::visibility {
 /// The attributes of the visible surface at every pixel of a grid.
 struct Surface {
     Surface(const gpu::Device&, vk::Extent2D);
+    /// Depth and normal alone, for a Rebuild of guides: of the rest there is one texel.
+    static Surface guides(const gpu::Device&, vk::Extent2D);
 
     gpu::Image depth;     ///< R32_SFLOAT: linear view depth [scene units]; 0 = background
     gpu::Image normal;    ///< R32_UINT: vertex normal in view space, packNormal
@@ -19,6 +21,9 @@ struct Surface {
     // material.x: sqrt(albedo) rgb, occlusion (unorm 8)   .y: roughness, metallic (unorm 8), flags
     // << 16 material.z: shading normal, world, packNormal       .w: vertex normal, world,
     // packNormal
+
+private:
+    Surface(const gpu::Device&, vk::Extent2D guides, vk::Extent2D rest);
 };
 
 /// Rebuilds surface attributes from triangle ids: barycentrics from homogeneous edge functions,
@@ -37,6 +42,7 @@ public:
         std::optional<gpu::View> points = {};
         vk::Extent2D grid = {};  ///< O, whose pixels decide mip levels; none: the extent of `ids`
         float textureScale = 1;  ///< of texture gradients: an LOD bias is its log2
+        const char* pass = "rebuild";
     };
     /// Writes every texel of `surface` that lies in the extent of `ids`.
     void record(gpu::Recorder&, const scene::GpuScene&, const Inputs&,

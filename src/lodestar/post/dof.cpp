@@ -1,0 +1,195 @@
+// SPDX-License-Identifier: Apache-2.0
+#include <cmath>
+
+#include <lodestar/post/dof.hpp>
+#include <lodestar/post/effective.hpp>
+
+namespace lodestar::post {
+namespace {
+
+constexpr std::uint32_t kLayers[] =
+#include <lodestar/post/dof_layers.comp.inc>
+    ;
+constexpr std::uint32_t kDown[] =
+#include <lodestar/post/dof_down.comp.inc>
+    ;
+constexpr std::uint32_t kBlur[] =
+#include <lodestar/post/dof_blur.comp.inc>
+    ;
+constexpr std::uint32_t kResolve[] =
+#include <lodestar/post/dof_resolve.comp.inc>
+    ;
+constexpr std::uint32_t kCombine[] =
+#include <lodestar/post/dof_combine.comp.inc>
+    ;
+
+using gpu::Slot;
+using gpu::Stage;
+using Usage = vk::ImageUsageFlagBits;
+
+constexpr float kCocFalloff = 1.44269504f / (2 * 0.1f * 0.1f);
+
+vk::Extent2D half(vk::Extent2D size) {
+    return {(size.width + 1) / 2, (size.height + 1) / 2};
+}
+
+gpu::Image image(const gpu::Device& device, vk::Extent2D extent, vk::Format format,
+                 const char* name) {
+    return {device,
+            {.name = name,
+             .format = format,
+             .extent = extent,
+             .usage = Usage::eSampled | Usage::eStorage}};
+}
+
+}  // namespace
+
+Dof::Dof(const gpu::Device& device, vk::Extent2D room, std::optional<vk::Extent2D> full)
+    : pointSampler(device.vk(), vk::SamplerCreateInfo{}),
+      layers(device, "dof layers", kLayers,
+             {Slot::sampledImage, Slot::sampledImage, Slot::storageImage, Slot::storageImage},
+             sizeof(shared::DofParams), {false}),
+      layersOfDown(device, "dof layers, downsampled", kLayers,
+                   {Slot::sampledImage, Slot::sampledImage, Slot::storageImage, Slot::storageImage},
+                   sizeof(shared::DofParams), {true}),
+      down(device, "dof down", kDown, {Slot::sampledImage, Slot::sampledImage, Slot::storageImage},
+           sizeof(shared::DofDownParams)),
+      blur(device, "dof blur", kBlur, {Slot::sampledImage, Slot::storageImage},
+           sizeof(shared::DofBlurParams)),
+      resolve(device, "dof resolve", kResolve,
+              {Slot::sampledImage, Slot::sampledImage, Slot::sampledImage, Slot::sampledImage,
+               Slot::storageImage},
+              sizeof(shared::DofParams)),
+      combine(device, "dof combine", kCombine,
+              {Slot::sampledImage, Slot::sampledImage, Slot::storageImage},
+              sizeof(shared::DofParams)),
+      sharp(image(device, room, vk::Format::eR32G32B32A32Uint, "dof: layers")) {
+    constexpr auto kPacked = vk::Format::eR32G32B32A32Uint;
+    for (int i = 0; i < 3; ++i)  // small blurs leave all of them at the size of B
+        levels.push_back({image(device, room, kPacked, "dof: across"),
+                          image(device, room, kPacked, "dof: blurred")});
+    for (int i = 0; full && i < 3; ++i) {
+        full = half(*full);
+        halves.push_back(image(device, *full, vk::Format::eR16G16B16A16Sfloat, "dof: halved"));
+    }
+}
+
+/// Grid O halved until it is B, which ends up in the last of the images used.
+void Dof::recordDown(gpu::Recorder& rec, const Inputs& in, const shared::DofParams& lens,
+                     gpu::View color) const {
+    gpu::View from = color;
+    vk::Extent2D size{in.grid.fullSize.x, in.grid.fullSize.y};
+    const auto times = static_cast<std::size_t>(std::lround(std::log2(in.grid.rate.x)));
+    for (std::size_t i = 0; i < times; ++i) {
+        const gpu::View to = halves[i];
+        rec.dispatch(down, gpu::groups8x8(half(size)),
+                     {{from, pointSampler}, {in.depth, pointSampler}, to},
+                     shared::DofDownParams{
+                         .lens = lens, .size = {size.width, size.height}, .first = i == 0});
+        rec.barrier(Stage::compute, Stage::compute);
+        from = to;
+        size = half(size);
+    }
+}
+
+/// Each of the blurred pictures is made of the one before, and of half its size where its blur
+/// hides that.
+std::array<Dof::Blur, 3> Dof::plan(float sigma) {
+    constexpr float kOfGrid = 0.25f;  // σ² of a texel's footprint and of the way back to grid O
+    std::array<Blur, 3> plans;
+    float had = kOfGrid;
+    std::uint32_t texel = 1;  // of what is read, in texels of B
+    for (std::size_t i = 0; i < plans.size(); ++i) {
+        const float s = sigma * static_cast<float>(1 << i) / 4;
+        Blur& blur = plans[i];
+        blur.step = i > 0 && s >= static_cast<float>(2 * texel) ? 2 : 1;
+        const auto unit = static_cast<float>(texel);
+        texel *= blur.step;
+        blur.texel = texel;
+        // Of texels that are larger the way back blurs too.
+        const float back = static_cast<float>(texel * texel - 1) / 6;
+        const float wanted = std::max(s * s - back - had, 0.0f);
+        blur.sigma = std::max(std::sqrt(wanted) / unit, blur.step == 2 ? 0.5f : 0.1f);
+        had += std::max(wanted, blur.sigma * blur.sigma * unit * unit);
+    }
+    return plans;
+}
+
+void Dof::recordBlur(gpu::Recorder& rec, vk::Extent2D size,
+                     const std::array<Blur, 3>& plans) const {
+    gpu::View from = sharp;
+    vk::Extent2D fromSize = size;
+    for (std::size_t i = 0; i < levels.size(); ++i) {
+        const auto [sigma, step, texel] = plans[i];
+        const auto reach = static_cast<std::uint32_t>(sigma < 0.2f ? 0 : std::ceil(2.5f * sigma));
+        const float falloff = 1.44269504f / (2 * sigma * sigma);
+        const vk::Extent2D across{gpu::groups(fromSize.width, step), fromSize.height};
+        const vk::Extent2D to{across.width, gpu::groups(fromSize.height, step)};
+        const auto along = [&](vk::Extent2D wide, vk::Extent2D read, glm::uvec2 axis) {
+            return shared::DofBlurParams{.size = {wide.width, wide.height},
+                                         .fromSize = {read.width, read.height},
+                                         .axis = axis,
+                                         .step = step,
+                                         .reach = reach,
+                                         .falloff = falloff};
+        };
+        rec.dispatch(blur, gpu::groups8x8(across), {{from, pointSampler}, levels[i].across},
+                     along(across, fromSize, {1, 0}));
+        rec.barrier(Stage::compute, Stage::compute);
+        rec.dispatch(blur, gpu::groups8x8(to),
+                     {{levels[i].across, pointSampler}, levels[i].blurred},
+                     along(to, across, {0, 1}));
+        rec.barrier(Stage::compute, Stage::compute);
+        from = levels[i].blurred;
+        fromSize = to;
+    }
+}
+
+void Dof::record(gpu::Recorder& rec, const Inputs& in, const DofOptions& o, gpu::View color) const {
+    require(o.focus > 0 && std::isfinite(o.focus), "DofOptions::focus must be > 0");
+    require(o.sharp >= 0 && std::isfinite(o.full) && o.full > o.sharp,
+            "DofOptions::full must be > sharp ≥ 0");
+    require(o.degree >= 0 && std::isfinite(o.degree), "DofOptions::degree must be ≥ 0");
+    require(o.radius > 0 && o.radius <= 0.1f, "DofOptions::radius must be 0 … 0.1");
+    const float rate = in.grid.rate.x;
+    const bool downsamples = !halves.empty() && rate != 1;
+    require(!downsamples || rate == 2 || rate == 4 || rate == 8,
+            "Dof: downsampled colours need a rate of 2, 4 or 8");
+    shared::DofParams params{.grid = in.grid,
+                             .focus = o.focus,
+                             .sharp = o.sharp,
+                             .slope = o.degree / (o.full - o.sharp),
+                             .thesis = o.formula == CocFormula::thesis,
+                             .cocFalloff = in.bilateral ? kCocFalloff : 0};
+    const auto plans =
+        plan(o.radius * static_cast<float>(in.grid.fullSize.y) / (2 * in.grid.rate.y));
+    params.steps = {plans[1].texel, plans[2].texel};
+    const vk::Extent2D size{in.grid.size.x, in.grid.size.y};
+    const vk::Extent3D groups = gpu::groups8x8(size);
+    const gpu::View blurred = levels[0].across;  // no longer needed by then
+    {
+        const auto pass = rec.pass("dof");
+        gpu::View from = color;
+        if (downsamples) {
+            recordDown(rec, in, params, color);
+            from = halves[static_cast<std::size_t>(std::lround(std::log2(rate))) - 1];
+        }
+        rec.dispatch(downsamples ? layersOfDown : layers, groups,
+                     {{from, pointSampler}, {in.depth, pointSampler}, in.depthOnB, sharp}, params);
+        rec.barrier(Stage::compute, Stage::compute);
+        recordBlur(rec, size, plans);
+        rec.dispatch(resolve, groups,
+                     {{in.depthOnB, pointSampler},
+                      {levels[0].blurred, pointSampler},
+                      {levels[1].blurred, pointSampler},
+                      {levels[2].blurred, pointSampler},
+                      blurred},
+                     params);
+        rec.barrier(Stage::compute, Stage::compute);
+    }
+    const auto pass = rec.pass("dof combine");
+    rec.dispatch(combine, gpu::groups8x8({in.grid.fullSize.x, in.grid.fullSize.y}),
+                 {{in.depth, pointSampler}, {blurred, pointSampler}, color}, params);
+}
+
+}  // namespace lodestar::post

@@ -1,0 +1,48 @@
+// SPDX-License-Identifier: Apache-2.0
+// What the passes of depth of field share.
+#ifndef LS_DOF_GLSL
+#define LS_DOF_GLSL
+#include "dof_params.h"
+
+/// The circle of confusion, −1 … 1: negative before the focus. Depth 0 is infinitely far.
+float cocOf(DofParams lens, float z) {
+    if (z <= 0) return clamp(lens.slope * 1e30, 0, 1);
+    const float past = clamp(lens.slope * max(z - lens.focus - lens.sharp, 0), 0, 1);
+    const float before = clamp(lens.slope * max(lens.focus - z - lens.sharp, 0), 0, 1);
+    return lens.thesis != 0 ? past : past - before;
+}
+
+/// What lies at and past the focus, and what lies before it, apart: so that neither side's blur
+/// takes colour from over the edge.
+struct Layers {
+    // Colour times weight, weight: what is out of focus itself counts, what is sharp hardly, and
+    // the foreground where there is nothing else. What it hides is so guessed from what is around.
+    vec4 far;
+    vec3 near;   // colour times cover
+    vec2 cover;  // how much of it is blurred foreground; that times its circle of confusion
+};
+
+Layers layersOf(vec3 color, float coc) {
+    const float far = coc < 0 ? 1e-4 : max(coc, 0.02);
+    const float cover = clamp(-3 * coc, 0, 1);
+    const vec3 c = min(color, vec3(6e4));
+    return Layers(vec4(c, 1) * far, c * cover, vec2(cover, -coc * cover));
+}
+
+uvec4 packLayers(Layers l) {
+    return uvec4(packHalf2x16(l.far.rg), packHalf2x16(l.far.ba), packHalf2x16(l.near.rg),
+                 packHalf2x16(vec2(l.near.b, 0)) | packUnorm4x8(vec4(0, 0, l.cover)));
+}
+
+Layers unpackLayers(uvec4 t) {
+    return Layers(vec4(unpackHalf2x16(t.x), unpackHalf2x16(t.y)),
+                  vec3(unpackHalf2x16(t.z), unpackHalf2x16(t.w).x), unpackUnorm4x8(t.w).zw);
+}
+
+void add(inout Layers sum, Layers l, float w) {
+    sum.far += w * l.far;
+    sum.near += w * l.near;
+    sum.cover += w * l.cover;
+}
+
+#endif
