@@ -272,6 +272,22 @@ TEST_F(TessellateTest, occlusionCullingChangesNoPixelOfIt) {
     EXPECT_EQ(changed, 12);
 }
 
+TEST_F(TessellateTest, scenesWithoutReliefDoNotReadItsTables) {
+    Scene scene = ground(8, 1, 0.5f);
+    for (scene::Mesh& mesh : scene.meshes) mesh.displacement.reset();
+    scene::GpuScene onGpu(device(), scene);
+    gpu::Buffer& refined = onGpu.relief.refined.buffer();
+    refined.upload(std::vector<std::uint32_t>(refined.bytes() / 4, 0x7fffffffu));
+    frame::FrameSettings settings;
+    settings.size = vk::Extent2D{64, 48};
+    settings.shadowTaps = settings.skyViews = 0;
+    frame::Frame plain(device(), onGpu, settings);
+    settings.wavePx = 16;
+    frame::Frame asked(device(), onGpu, settings);
+    for (frame::Frame* one : {&plain, &asked}) one->render(above({0, 3, 2}), {});
+    EXPECT_EQ(gpu::readImage(device(), plain.display()), gpu::readImage(device(), asked.display()));
+}
+
 TEST_F(TessellateTest, reliefWithoutSenseIsRefused) {
     for (const Displacement bad : {Displacement{.amplitude = -1}, Displacement{.amplitude = NAN},
                                    Displacement{.amplitude = 1, .wavelength = 0},

@@ -67,7 +67,6 @@ void setLods(const CullView& view, shared::CullParams& params) {
     params.lodParallel = !view.perspective;
     const float perUnit = pixelsPerUnit(view.clipFromWorld, view.size);
     params.lodScale = perUnit / lod.errorPx;
-    params.reliefReach = view.wavePx > 0 ? perUnit / view.wavePx : 0;
     float begins[8];
     std::fill(std::begin(begins), std::end(begins), std::numeric_limits<float>::infinity());
     std::copy(lod.distances.begin(), lod.distances.end(), begins);
@@ -86,6 +85,8 @@ shared::CullParams paramsOf(const CullView& view, const scene::GpuScene& scene, 
     const auto planes = frustumPlanes(view.clipFromWorld, view.keepBeforeNear);
     std::copy(planes.begin(), planes.end(), params.planes);
     setLods(view, params);
+    if (view.wavePx > 0 && scene.relief.capacity > 0)
+        params.reliefReach = pixelsPerUnit(view.clipFromWorld, view.size) / view.wavePx;
     if (hiz != nullptr) {
         params.hizFromWorld0 = hiz->clipFromWorld();
         params.hizFromWorld1 = view.clipFromWorld;

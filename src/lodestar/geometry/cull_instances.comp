@@ -55,8 +55,9 @@ uint meshletsOf(GpuInstance instance, uint lod) {
 /// Whether a part of it may be refined: only the finest level is, and its neighbours count on it.
 bool isRefined(GpuInstance instance, vec3 centre, float radius) {
     const float wave = uintBitsToFloat(texelFetch(displaced, int(2 * instance.displaced)).y);
-    return distance(centre, params.lodEye) - radius <
-           wave * instance.maxScale * params.reliefReach * 1.01;
+    return params.reliefReach > 0 &&
+           distance(centre, params.lodEye) - radius <
+               wave * instance.maxScale * params.reliefReach * 1.01;
 }
 
 void main() {

@@ -249,8 +249,10 @@ Relief makeRelief(const gpu::Device& device, const DisplacedMeshes& of, std::siz
     return {
         .displaced = gpu::makeTexelBuffer(device, "displaced instances", of.records, kWords),
         .pairs = gpu::makeTexelBuffer(device, "displaced meshlets", of.pairs, kPair),
-        .refined = {device, "refined", sizeof(shared::GpuRefined) * of.records.size(), kPair},
-        .masks = {device, "refined triangles", 16 * of.pairs.size(), kWords},
+        .refined = gpu::makeTexelBuffer(device, "refined",
+                                        std::vector<shared::GpuRefined>(of.records.size()), kPair),
+        .masks = gpu::makeTexelBuffer(device, "refined triangles",
+                                      std::vector<glm::uvec4>(of.pairs.size()), kWords),
         .instances = static_cast<std::uint32_t>(of.records.size()),
         .pairCount = static_cast<std::uint32_t>(of.pairs.size()),
         .firstVertex = static_cast<std::uint32_t>(vertices) - places * shared::LS_TESS_VERTICES,
