@@ -124,7 +124,7 @@ LS_NAMESPACE_END
 #define LS_VISIT_4(VISIT, a, i) VISIT(a[i]) VISIT(a[i + 1]) VISIT(a[i + 2]) VISIT(a[i + 3])
 #define LS_VISIT_LIST(VISIT, a) \
     LS_VISIT_3(VISIT, a.groups) VISIT(a.count) LS_VISIT_3(VISIT, a.blocks) VISIT(a.dropped) \
-    LS_VISIT_3(VISIT, a.slots) VISIT(a.unused)
+    LS_VISIT_3(VISIT, a.words) VISIT(a.unused)
 #define LS_VISIT_GRID(VISIT, g) VISIT(g.size) VISIT(g.fullSize) VISIT(g.rate)
 #define LS_VISIT_LENS(VISIT, l) \
     LS_VISIT_GRID(VISIT, l.grid) VISIT(l.focus) VISIT(l.sharp) VISIT(l.slope) \

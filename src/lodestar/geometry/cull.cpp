@@ -108,7 +108,7 @@ std::vector<gpu::SlotArray> slots(std::initializer_list<std::pair<Slot, int>> ru
 }
 
 constexpr std::uint64_t kGroups = offsetof(CullList, groups), kBlocks = offsetof(CullList, blocks),
-                        kSlots = offsetof(CullList, slots);
+                        kWords = offsetof(CullList, words);
 
 /// Where the dispatch over a list stands in DrawList::counts.
 constexpr std::uint64_t at(std::uint32_t list, std::uint64_t which) {
@@ -320,7 +320,7 @@ void Cull::listTriangles(gpu::Recorder& rec, const scene::GpuScene& scene, DrawL
         second ? shared::LS_LIST_TRIANGLES_2 : shared::LS_LIST_TRIANGLES;
     const shared::PhaseParams phase{.phase = number, .table = list.table};
     rec.dispatchIndirect(
-        cullTriangles, list.counts, at(clusters, kSlots),
+        cullTriangles, list.counts, at(clusters, kWords),
         scene::withScene(scene, {list.params, scene.relief.displaced, scene.relief.masks,
                                  list.counts, list.masks, list.triangleOffsets}),
         phase);
@@ -331,7 +331,7 @@ void Cull::listTriangles(gpu::Recorder& rec, const scene::GpuScene& scene, DrawL
           .capacity = list.trianglePlaces,
           .before = second ? shared::LS_LIST_TRIANGLES : triangles,
           .totals = list.clusterPlaces});
-    rec.dispatchIndirect(emit, list.counts, at(clusters, kSlots),
+    rec.dispatchIndirect(emit, list.counts, at(clusters, kWords),
                          {scene.clusters, list.counts, list.masks, list.triangleOffsets,
                           list.ids.buffer(), list.draws},
                          TotalledPhase{phase, list.clusterPlaces});

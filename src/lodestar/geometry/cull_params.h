@@ -4,10 +4,10 @@
 #include "../shared/types.h"
 LS_NAMESPACE_BEGIN
 
-const uint LS_CULL_GROUP = 256;     // threads of a workgroup with one thread a triangle slot
-const uint LS_CLUSTER_SLOTS = 128;  // triangle slots of a cluster: 124, rounded up
-const uint LS_SPAN = 64;            // threads of a workgroup with one thread an item
-const uint LS_BLOCK = 1024;         // values that one workgroup scans
+const uint LS_SPAN = 64;     // threads of a workgroup with one thread an item
+const uint LS_BLOCK = 1024;  // values that one workgroup scans
+const uint LS_WORDS = 4;     // of a mask of a cluster's triangles, 32 each
+const uint LS_WORD_CLUSTERS = LS_SPAN / LS_WORDS;  // of a workgroup with one thread a word
 
 const uint LS_CULL_NONE = 0;     // every triangle of every instance is drawn
 const uint LS_CULL_FRUSTUM = 1;  // also by normal cone, facing and size
@@ -52,7 +52,7 @@ struct CullList {
     uint count;
     uint blocks[3];  // LS_BLOCK items a workgroup
     uint dropped;    // what there was no place for
-    uint slots[3];   // LS_CULL_GROUP threads, LS_CLUSTER_SLOTS an item; never 0
+    uint words[3];   // LS_SPAN threads, LS_WORDS an item; never 0
     uint unused;
 };
 
@@ -101,6 +101,13 @@ struct HizParams {
 /// Number of the thread in a dispatch of up to two dimensions.
 uint linearThread(uvec3 group, uvec3 groups, uint perGroup, uint thread) {
     return (group.x + group.y * groups.x) * perGroup + thread;
+}
+
+/// Cluster and word of a thread where each has LS_WORDS. Neighbours have the same word of different
+/// clusters: the last words are empty as a rule, and are then left by all lanes at once.
+uvec2 clusterAndWord(uvec3 group, uvec3 groups, uint thread) {
+    return uvec2(linearThread(group, groups, LS_WORD_CLUSTERS, thread % LS_WORD_CLUSTERS),
+                 thread / LS_WORD_CLUSTERS);
 }
 #endif
 

@@ -3,10 +3,9 @@
 #include "../scene/scene.glsl"
 #include "cull_params.h"
 
-// One thread a triangle of the visible clusters: can it cover a pixel centre? The rasteriser would
-// drop the others too, but one at a time. No workgroup memory: on a CPU driver its barriers would
-// cost more than the test.
-layout(local_size_x = LS_CULL_GROUP) in;
+// One thread 32 triangles of a visible cluster: which of them can cover a pixel centre? The rasteriser
+// would drop the others too, but one at a time. What the triangles share is fetched once.
+layout(local_size_x = LS_SPAN) in;
 
 layout(binding = 6, scalar) uniform Params { CullParams params; };
 layout(binding = 7) uniform usamplerBuffer displaced;
@@ -41,42 +40,37 @@ bool canCoverAPixel(vec4 a, vec4 b, vec4 c, bool doubleSided) {
     return doubleSided || area < kSnap * (reach + kSnap);
 }
 
-/// Whether a refined meshlet stands for a triangle.
-bool isReplaced(GpuCluster cluster, GpuInstance instance, uint triangle) {
-    if (instance.displaced == 0 || cluster.lod != 0 || params.reliefReach == 0) return false;
+/// Those of the cluster's triangles in a word that refined meshlets stand for.
+uint replaced(GpuCluster cluster, GpuInstance instance, uint word) {
+    if (instance.displaced == 0 || cluster.lod != 0 || params.reliefReach == 0) return 0;
     const uvec4 span = texelFetch(displaced, int(2 * instance.displaced + 1));
-    const uvec4 mask = texelFetch(refinedMasks, int(span.x + cluster.meshlet - span.y));
-    return (mask[triangle / 32] & (1u << (triangle & 31))) != 0;
+    return texelFetch(refinedMasks, int(span.x + cluster.meshlet - span.y))[word];
 }
 
 void main() {
-    const uint slot = linearThread(gl_WorkGroupID, gl_NumWorkGroups, LS_CULL_GROUP,
-                                   gl_LocalInvocationID.x);
-    const uint which = slot / LS_CLUSTER_SLOTS, t = slot % LS_CLUSTER_SLOTS;
+    const uvec2 item = clusterAndWord(gl_WorkGroupID, gl_NumWorkGroups, gl_LocalInvocationID.x);
     const bool second = push.phase == 1;
-    if (which >= counts.lists[second ? LS_LIST_CLUSTERS_2 : LS_LIST_CLUSTERS].count) return;
+    if (item.x >= counts.lists[second ? LS_LIST_CLUSTERS_2 : LS_LIST_CLUSTERS].count) return;
     const GpuCluster cluster =
-        loadCluster(push.table + which + (second ? counts.lists[LS_LIST_CLUSTERS].count : 0));
+        loadCluster(push.table + item.x + (second ? counts.lists[LS_LIST_CLUSTERS].count : 0));
+    const GpuInstance instance = loadInstance(cluster.instance);
+    const mat4 clipFromObject =
+        params.clipFromWorld *
+        transpose(mat4(instance.row0, instance.row1, instance.row2, vec4(0, 0, 0, 1)));
     const bool doubleSided = (cluster.bin & 1) != 0;  // of scene::DrawBin
-    // A loop of one round: a CPU driver runs both sides of a branch, but leaves a loop that no lane
-    // is in. Half of the slots are empty.
-    for (uint i = t; i < cluster.triangleCount; i += LS_CLUSTER_SLOTS) {
-        const GpuInstance instance = loadInstance(cluster.instance);
-        bool drawn = params.mode == LS_CULL_NONE;
-        if (!drawn) {
-            const bool reflected = (instance.flags & LS_INSTANCE_REFLECTED) != 0;
-            const GpuTriangle triangle = loadStoredTriangle(cluster.triangles + i);
-            const vec4 a = params.clipFromWorld *
-                           vec4(transformPoint(instance, loadVertex(triangle.a).position), 1);
-            const vec4 b = params.clipFromWorld *
-                           vec4(transformPoint(instance, loadVertex(triangle.b).position), 1);
-            const vec4 c = params.clipFromWorld *
-                           vec4(transformPoint(instance, loadVertex(triangle.c).position), 1);
-            drawn = canCoverAPixel(a, reflected ? c : b, reflected ? b : c, doubleSided);
-        }
-        if (drawn && !isReplaced(cluster, instance, i)) {
-            atomicOr(masks[4 * which + i / 32], 1u << (i & 31));
-            atomicAdd(triangleCounts[which], 1);
-        }
+    const bool reflected = (instance.flags & LS_INSTANCE_REFLECTED) != 0;
+    const uint first = 32 * item.y, end = min(first + 32, cluster.triangleCount);
+    uint mask = 0;
+    for (uint i = first; i < end; ++i) {
+        const GpuTriangle t = loadStoredTriangle(cluster.triangles + i);
+        const vec4 a = clipFromObject * vec4(loadVertex(t.a).position, 1);
+        const vec4 b = clipFromObject * vec4(loadVertex(t.b).position, 1);
+        const vec4 c = clipFromObject * vec4(loadVertex(t.c).position, 1);
+        const bool drawn = params.mode == LS_CULL_NONE ||
+                           canCoverAPixel(a, reflected ? c : b, reflected ? b : c, doubleSided);
+        mask |= uint(drawn) << (i - first);
     }
+    if (mask != 0) mask &= ~replaced(cluster, instance, item.y);
+    masks[LS_WORDS * item.x + item.y] = mask;
+    if (mask != 0) atomicAdd(triangleCounts[item.x], uint(bitCount(mask)));
 }

@@ -3,9 +3,9 @@
 #include "../scene/gpu_types.h"
 #include "cull_params.h"
 
-// One thread a triangle of the visible clusters: writes the id of each triangle kept where the prefix
+// One thread 32 triangles of a visible cluster: writes the id of each triangle kept where the prefix
 // sum says. The first threads write the draw commands.
-layout(local_size_x = LS_CULL_GROUP) in;
+layout(local_size_x = LS_SPAN) in;
 
 struct DrawCommand {
     uint vertexCount, instanceCount, firstVertex, firstInstance;
@@ -50,26 +50,23 @@ uint binStart(Lists lists, uint bin) {
 }
 
 void main() {
-    const uint slot = linearThread(gl_WorkGroupID, gl_NumWorkGroups, LS_CULL_GROUP,
-                                   gl_LocalInvocationID.x);
+    const uint thread =
+        linearThread(gl_WorkGroupID, gl_NumWorkGroups, LS_SPAN, gl_LocalInvocationID.x);
     const Lists lists = listsOf(push.phase);
-    if (slot < 4) {
-        const uint begin = binStart(lists, slot), end = binStart(lists, slot + 1);
-        draws[4 * push.phase + slot] =
+    if (thread < 4) {
+        const uint begin = binStart(lists, thread), end = binStart(lists, thread + 1);
+        draws[4 * push.phase + thread] =
             DrawCommand(3 * (end - begin), 1, 3 * (lists.firstTriangle + begin), 0);
-        if (push.phase == 0) draws[4 + slot] = DrawCommand(0, 1, 0, 0);
+        if (push.phase == 0) draws[4 + thread] = DrawCommand(0, 1, 0, 0);
     }
-    const uint which = slot / LS_CLUSTER_SLOTS, t = slot % LS_CLUSTER_SLOTS;
-    if (which >= lists.clusters) return;
-    const uvec4 mask = masks[which];
-    const uint word = t / 32, bit = 1u << (t & 31);
-    if ((mask[word] & bit) == 0) return;
-
-    // Its place among the kept ones: those in the words before, and those below it in its own.
-    const uvec4 earlier = uvec4(word > 0, word > 1, word > 2, false) * mask;
-    const ivec4 bits = bitCount(earlier);
-    const uint rank = uint(bits.x + bits.y + bits.z + bitCount(mask[word] & (bit - 1)));
-    const uint place = offsetOf(which) + rank;
-    if (place >= lists.triangles) return;
-    ids[lists.firstTriangle + place] = (lists.firstCluster + which) << LS_TRIANGLE_BITS | t;
+    const uvec2 item = clusterAndWord(gl_WorkGroupID, gl_NumWorkGroups, gl_LocalInvocationID.x);
+    if (item.x >= lists.clusters) return;
+    const uvec4 mask = masks[item.x];
+    const uint word = item.y;
+    // After those kept in the words before.
+    const ivec4 bits = bitCount(uvec4(word > 0, word > 1, word > 2, false) * mask);
+    uint place = offsetOf(item.x) + uint(bits.x + bits.y + bits.z);
+    const uint id = (lists.firstCluster + item.x) << LS_TRIANGLE_BITS | 32 * word;
+    for (uint left = mask[word]; left != 0 && place < lists.triangles; left &= left - 1, ++place)
+        ids[lists.firstTriangle + place] = id | uint(findLSB(left));
 }

@@ -47,12 +47,11 @@ void main() {
     const uint count = min(total, capacity);
     const uvec3 groups = inRows((count + LS_SPAN - 1) / LS_SPAN);
     const uvec3 scans = inRows((count + LS_BLOCK - 1) / LS_BLOCK);
-    const uint perGroup = LS_CULL_GROUP / LS_CLUSTER_SLOTS;
-    const uvec3 slots = inRows(max((count + perGroup - 1) / perGroup, 1));
+    const uvec3 words = inRows(max((count + LS_WORD_CLUSTERS - 1) / LS_WORD_CLUSTERS, 1));
     for (int i = 0; i < 3; ++i) {
         counts.lists[params.result].groups[i] = groups[i];
         counts.lists[params.result].blocks[i] = scans[i];
-        counts.lists[params.result].slots[i] = slots[i];
+        counts.lists[params.result].words[i] = words[i];
     }
     counts.lists[params.result].count = count;
     counts.lists[params.result].dropped = total - count;
