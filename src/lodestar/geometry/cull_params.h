@@ -4,9 +4,9 @@
 #include "../shared/types.h"
 LS_NAMESPACE_BEGIN
 
-const uint LS_SPAN = 64;     // threads of a workgroup with one thread an item
-const uint LS_BLOCK = 1024;  // values that one workgroup scans
-const uint LS_WORDS = 4;     // of a mask of a cluster's triangles, 32 each
+const uint LS_SPAN = 64;                           // threads of a workgroup with one thread an item
+const uint LS_BLOCK = 1024;                        // values that one workgroup scans
+const uint LS_WORDS = 4;                           // of a mask of a cluster's triangles, 32 each
 const uint LS_WORD_CLUSTERS = LS_SPAN / LS_WORDS;  // of a workgroup with one thread a word
 
 const uint LS_CULL_NONE = 0;     // every triangle of every instance is drawn

@@ -18,8 +18,8 @@ public:
         const gpu::Buffer& view;              ///< shared::ViewParams
         const gpu::Buffer& light;             ///< shared::LightParams
         gpu::View depth, material, emissive;  ///< visibility::Surface
-        gpu::View terms;                      ///< RGBA16_SFLOAT: visibility of the sun, of the sky, pattern,
-                                              ///< ambient light that the screen occludes
+        gpu::View terms;            ///< RGBA16_SFLOAT: visibility of the sun, of the sky, pattern,
+                                    ///< ambient light that the screen occludes
         gpu::View sky;              ///< octahedral radiance, a mip level per step of roughness
         const gpu::Buffer& lights;  ///< shared::GpuLight
         /// RG32_SFLOAT: where each pixel is met, in NDC; none: at its centre
