@@ -202,6 +202,12 @@ void addLeverOptions(CLI::App& app, budget::Levers& levers) {
     app.add_flag("--full-resize,!--fine-grained", levers.resizeAll,
                  "shade as a whole on the coarse grid, not the expensive terms alone")
         ->group(kGroup);
+    app.add_option("--shadow-scale", levers.shadowScale,
+                   "draw the depth maps of sun and sky at this share of their texels a side")
+        ->type_name("S")
+        ->check(CLI::Range(0.25, 1.0))
+        ->capture_default_str()
+        ->group(kGroup);
     app.add_option("--layer-scale", levers.layerScale,
                    "render alpha-blended surfaces at this share of the size along each axis")
         ->type_name("S")
@@ -225,7 +231,8 @@ Json leversJson(const budget::Levers& levers) {
     return {{"shading_rate", levers.shadingRate}, {"rates", rates},
             {"render_scale", levers.renderScale}, {"repair", levers.repair},
             {"local_rate", levers.localRate},     {"full_resize", levers.resizeAll},
-            {"layer_scale", levers.layerScale},   {"post_rates", postRatesJson(levers)}};
+            {"layer_scale", levers.layerScale},   {"shadow_scale", levers.shadowScale},
+            {"post_rates", postRatesJson(levers)}};
 }
 
 void addFrameOptions(CLI::App& app, frame::FrameSettings& settings) {

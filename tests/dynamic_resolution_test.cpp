@@ -80,6 +80,31 @@ TEST_F(DynamicResolution, theShownPictureHasTheOutputSizeAtEveryScale) {
     EXPECT_LT(differenceAt(2), 8);
 }
 
+TEST_F(DynamicResolution, aScaleOfTheLightMapsReadsNothingBesideTheirLivePart) {
+    const auto withMaps = [](std::uint32_t sun, std::uint32_t sky) {
+        FrameSettings s = settings(96, 64, 1);
+        s.shadowMapSize = sun;
+        s.skyMapSize = sky;
+        return s;
+    };
+    Frame large(device(), *onGpu, withMaps(256, 128));
+    large.render(camera, {});  // what the unused part then holds
+    const auto full = radianceOf(large);
+    const auto before = device().peakBytes();
+    for (const auto& [scale, sun, sky] : {std::tuple{0.5f, 128u, 64u}, {0.25f, 64u, 32u}}) {
+        large.render(camera, {.shadowScale = scale});
+        EXPECT_EQ(device().peakBytes(), before);
+        Frame alone(device(), *onGpu, withMaps(sun, sky));
+        alone.render(camera, {});
+        EXPECT_EQ(radianceOf(large), radianceOf(alone)) << scale;
+        EXPECT_NE(radianceOf(large), full) << scale;
+    }
+    large.render(camera, {});
+    EXPECT_EQ(radianceOf(large), full);
+    for (const float bad : {0.2f, 1.1f, NAN})
+        EXPECT_THROW(large.render(camera, {.shadowScale = bad}), std::invalid_argument);
+}
+
 TEST_F(DynamicResolution, refusesScalesOutOfRange) {
     EXPECT_THROW(Frame(device(), *onGpu, settings(8, 8, 2.1f)), std::invalid_argument);
     EXPECT_THROW(Frame(device(), *onGpu, settings(8, 8, 0.4f)), std::invalid_argument);

@@ -117,7 +117,7 @@ LS_NAMESPACE_END
     LS_VISIT_BINS_4(VISIT, a, i + 8) LS_VISIT_BINS_4(VISIT, a, i + 12)
 #define LS_VISIT_VIEW(VISIT, a) \
     VISIT(a.u) VISIT(a.v) VISIT(a.depth) VISIT(a.toLight) VISIT(a.weight) VISIT(a.bias) \
-    VISIT(a.planeScale)
+    VISIT(a.planeScale) VISIT(a.size)
 #define LS_VISIT_VIEWS_4(VISIT, a, i) \
     LS_VISIT_VIEW(VISIT, a[i]) LS_VISIT_VIEW(VISIT, a[i + 1]) \
     LS_VISIT_VIEW(VISIT, a[i + 2]) LS_VISIT_VIEW(VISIT, a[i + 3])

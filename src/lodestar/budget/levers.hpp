@@ -36,6 +36,9 @@ struct Levers {
     /// S: the frame is rendered at S·W × S·H and scaled to W × H; above 1 it is supersampled.
     float renderScale = 1;
 
+    /// Of the depth maps of sun and sky, of their texels a side: 0.25 … 1. A change redraws them.
+    float shadowScale = 1;
+
     /// Of the grid that blended surfaces are rendered on, of O along each axis: 0.25 … 1.
     float layerScale = 1;
 

@@ -65,7 +65,7 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
     check(levers);
     if (temporal && levers.resizeAll)
         throw std::invalid_argument("Levers::resizeAll leaves nothing to join pictures by");
-    begin(camera, levers.renderScale, options.temporal.mode);
+    begin(camera, levers, options.temporal.mode);
 
     // Which triangle does each pixel show?
     findVisible({.clipFromWorld = clipFromWorld(camera),
@@ -87,7 +87,7 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
 
 gpu::FrameTimes Frame::renderOutside(const scene::Camera& outside) {
     if (samples) throw std::logic_error("Frame::renderOutside needs captureSide 1");
-    begin(outside, 1, scale::TemporalMode::off);
+    begin(outside, {}, scale::TemporalMode::off);
     rec.barrier(Stage::compute, Stage::raster);
     capture.record(rec, *scene, eyeList, clipFromWorld(outside), {ids(), part(depthBuffer, live)},
                    "capture");
@@ -111,7 +111,7 @@ gpu::FrameTimes Frame::rebuild(const visibility::CompactRecord& from, const scen
     check(levers);
     if (!rebuilding || rebuilding->side != from.side)
         rebuilding = Rebuilding{from.side, {*device, from.side}};
-    begin(camera, levers.renderScale, scale::TemporalMode::off);
+    begin(camera, levers, scale::TemporalMode::off);
     rebuilding->expand.record(rec, *scene, from, clipFromWorld(camera), ids());
     rec.barrier(Stage::compute, Stage::compute);
     if (tracker) tracker->record(rec, *scene, ids(), viewBuffer, steadyClipFromWorld(camera));
@@ -120,9 +120,13 @@ gpu::FrameTimes Frame::rebuild(const visibility::CompactRecord& from, const scen
     return finish();
 }
 
-void Frame::begin(const scene::Camera& camera, float renderScale, scale::TemporalMode mode) {
+void Frame::begin(const scene::Camera& camera, const budget::Levers& levers,
+                  scale::TemporalMode mode) {
+    const float renderScale = levers.renderScale;
     if (!(renderScale >= kLeastScale && renderScale <= std::max(options.maxScale, 1.0f)))
         throw std::invalid_argument("Levers::renderScale must be 0.5 … FrameSettings::maxScale");
+    if (!(levers.shadowScale >= 0.25f && levers.shadowScale <= 1))
+        throw std::invalid_argument("Levers::shadowScale must be 0.25 … 1");
     live = scaled(options.size, renderScale);
     repairList.size = live;
     joining = mode;
@@ -133,7 +137,7 @@ void Frame::begin(const scene::Camera& camera, float renderScale, scale::Tempora
     focus = std::max(glm::distance(camera.eye, camera.at), 1e-6f);
     if (post) post->moved(std::nullopt);
     rec.begin();
-    lightMaps.update(rec, *scene, cull, camera, aspect);
+    lightMaps.update(rec, *scene, cull, camera, aspect, levers.shadowScale);
     writeUniforms(camera);
 }
 

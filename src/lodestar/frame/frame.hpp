@@ -144,7 +144,7 @@ public:
 private:
     Frame(const gpu::Device&, const scene::GpuScene&, const FrameSettings&, vk::Extent2D shown);
     /// Begins a picture: its grid O, light maps and uniforms.
-    void begin(const scene::Camera&, float renderScale, scale::TemporalMode);
+    void begin(const scene::Camera&, const budget::Levers&, scale::TemporalMode);
     gpu::FrameTimes renderSamples(const scene::Camera&, const budget::Levers&);
     void shade(const budget::Levers&, const visibility::CompactRecord* from = nullptr);
     /// Blended surfaces over the radiance, where the scene has them.

@@ -84,7 +84,7 @@ gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
         rec.barrier(Stage::compute, Stage::compute);
     };
     // A fragment a pixel, and from them most of what else the pixels list.
-    begin(camera, 1, scale::TemporalMode::off);
+    begin(camera, {.shadowScale = levers.shadowScale}, scale::TemporalMode::off);
     fragments.record(rec, from, set);
     rec.barrier(Stage::compute, Stage::compute);
     shadeAt(set.ids, set.points, surfaces, termImage, mainRadiance);

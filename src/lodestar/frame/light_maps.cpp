@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include <lodestar/frame/targets.hpp>
+
 namespace lodestar::frame {
 namespace {
 
@@ -32,28 +34,36 @@ LightMaps::LightMaps(const gpu::Device& device, const scene::GpuScene& scene,
       skyImage(depthMaps(device, settings.skyTexels, settings.skyViews, "sky maps")) {}
 
 void LightMaps::update(gpu::Recorder& rec, const scene::GpuScene& scene, const geometry::Cull& cull,
-                       const scene::Camera& camera, float aspect) {
+                       const scene::Camera& camera, float aspect, float scale) {
     const std::uint64_t version = scene.version();
+    if (scale != drawnScale) {
+        sunVersion.reset();
+        skyVersion.reset();
+        drawnScale = scale;
+    }
+    const auto texels = [scale](std::uint32_t all) { return scaled({all, all}, scale).width; };
+    const auto live = [&](gpu::View map) { return part(map, scaled(map.extent, scale)); };
     if (options.shadows) {
         const scene::Bounds& bounds = scene.bounds();
         const float toScene = bounds.empty() ? 1 : glm::distance(camera.eye, bounds.centre());
         // To the far side of the scene, wherever in it the eye is.
         const float distance =
             options.shadowDistance > 0 ? options.shadowDistance : toScene + bounds.radius();
-        const shading::LightView now =
-            shading::fitSun(light.toSun(), bounds, camera, aspect, distance, options.sunTexels);
+        const shading::LightView now = shading::fitSun(light.toSun(), bounds, camera, aspect,
+                                                       distance, texels(options.sunTexels));
         if (!(now == sunView) || sunVersion != version) {
             sunView = now;
             sunVersion = version;
-            draw(rec, scene, cull, sunView, sunImage.layer(0), "shadow map");
+            draw(rec, scene, cull, sunView, live(sunImage.layer(0)), "shadow map");
         }
     }
 
     if (skyVersion != version) {
         skyVersion = version;
-        skyViews = shading::fitSky(light, scene.bounds(), options.skyViews, options.skyTexels);
+        skyViews =
+            shading::fitSky(light, scene.bounds(), options.skyViews, texels(options.skyTexels));
         for (std::uint32_t i = 0; i < options.skyViews; ++i)
-            draw(rec, scene, cull, skyViews[i], skyImage.layer(i), "sky map");
+            draw(rec, scene, cull, skyViews[i], live(skyImage.layer(i)), "sky map");
     }
 }
 

@@ -23,9 +23,11 @@ public:
     LightMaps(const gpu::Device&, const scene::GpuScene&, const shading::Sky&, const Settings&);
 
     /// Redraws what is stale: the sun's map when the scene or its fit to the camera has changed,
-    /// the sky's when the scene has. The maps are left visible to compute.
+    /// the sky's when the scene has, all when `scale` has. The maps are left visible to compute.
+    /// `scale` (0.25 … 1): share of the texels a side that are drawn and read, in the corner of the
+    /// images. Filters are as many texels wide as ever, so shadows are softer.
     void update(gpu::Recorder&, const scene::GpuScene&, const geometry::Cull&, const scene::Camera&,
-                float aspect);
+                float aspect, float scale = 1);
 
     const gpu::Image& sunMap() const { return sunImage; }
     const gpu::Image& skyMaps() const { return skyImage; }
@@ -44,6 +46,7 @@ private:
     shading::LightView sunView;
     std::vector<shading::LightView> skyViews;
     std::optional<std::uint64_t> sunVersion, skyVersion;  ///< of the scene the maps show
+    float drawnScale = 1;
 };
 
 }  // namespace lodestar::frame

@@ -13,6 +13,7 @@ struct GpuLightView {
     float weight;      // of a view of the sky: its luminance
     float bias;        // depth units in the width of a texel
     float planeScale;  // turns (normal · u, normal · v) / (normal · toLight) into depth per texel
+    uint size;         // texels a side: a corner of what may be a larger image
 };
 
 /// Sun, sky and their depth maps, in a uniform buffer.

@@ -45,7 +45,10 @@ LightView viewThrough(const Window& w, const Sphere& scene, std::uint32_t mapSiz
     const auto size = static_cast<float>(mapSize);
     const float front = glm::dot(scene.centre, w.toLight) + scene.radius * 1.02f;
     const float range = 2 * scene.radius * 1.04f;
-    LightView view{.toLight = w.toLight, .texel = 2 * w.radius / size, .depthScale = 1 / range};
+    LightView view{.toLight = w.toLight,
+                   .texel = 2 * w.radius / size,
+                   .size = mapSize,
+                   .depthScale = 1 / range};
 
     // Rows: u, v and depth are affine in the world position; depth falls from 1 at `front`.
     const auto affine = [](glm::vec3 axis, float scale, float offset) {
@@ -76,7 +79,8 @@ shared::GpuLightView LightView::params() const {
             .toLight = toLight,
             .weight = weight,
             .bias = texel * depthScale,
-            .planeScale = texel * texel * depthScale};
+            .planeScale = texel * texel * depthScale,
+            .size = size};
 }
 
 LightView fitSun(glm::vec3 toSun, const scene::Bounds& bounds, const scene::Camera& camera,

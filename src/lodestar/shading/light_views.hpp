@@ -15,9 +15,10 @@ struct LightView {
     glm::mat4 clipFromWorld{1};  ///< reversed depth: nearest to the light = 1
     glm::mat4 mapFromWorld{1};   ///< world → (texel u, texel v, depth, 1)
     glm::vec3 toLight{0, 0, 1};
-    float texel = 1;       ///< [scene units]
-    float depthScale = 1;  ///< depth units per scene unit
-    float weight = 1;      ///< of a view of the sky: luminance from there
+    float texel = 1;         ///< [scene units]
+    std::uint32_t size = 1;  ///< texels a side
+    float depthScale = 1;    ///< depth units per scene unit
+    float weight = 1;        ///< of a view of the sky: luminance from there
 
     bool operator==(const LightView&) const = default;
 

@@ -8,7 +8,6 @@
 /// as the bias: each texel is compared with the depth that plane has there.
 float lightVisibility(GpuLightView view, sampler2DArray maps, int layer, int n, vec3 position,
                       vec3 faceNormal) {
-    const ivec2 size = textureSize(maps, 0).xy;
     const vec4 point = vec4(position, 1);
     const vec2 at = vec2(dot(view.u, point), dot(view.v, point));  // texels
 
@@ -22,7 +21,7 @@ float lightVisibility(GpuLightView view, sampler2DArray maps, int layer, int n, 
     const vec2 corner = at - 0.5 * float(n);     // of the N×N texel window
     const ivec2 first = ivec2(floor(corner));
     const vec2 over = corner - vec2(first);      // share of the first row and column left out
-    if (any(lessThan(first, ivec2(0))) || any(greaterThanEqual(first + n, size))) return 1;
+    if (any(lessThan(first, ivec2(0))) || any(greaterThanEqual(first + n, ivec2(view.size)))) return 1;
     const float start =
         dot(view.depth, point) + dot(slope, vec2(first) + 0.5 - at) + view.bias;
 
