@@ -148,7 +148,7 @@ LS_NAMESPACE_END
     VISIT(p.displacedPair.displaced) VISIT(p.displacedPair.meshlet) \
     VISIT(p.refined.firstMeshlet) VISIT(p.refined.meshletCount) \
     LS_VISIT_5(VISIT, p.tessellate.planes) VISIT(p.tessellate.eye) VISIT(p.tessellate.reach) \
-    VISIT(p.tessellate.pairs) VISIT(p.tessellate.instances) VISIT(p.tessellate.capacity) \
+    VISIT(p.tessellate.pairs) VISIT(p.tessellate.capacity) \
     VISIT(p.tessellate.total) VISIT(p.tessellate.firstVertex) VISIT(p.tessellate.firstTriangle) \
     VISIT(p.tessellate.firstMeshlet) VISIT(p.tessellate.secondUvs) \
     LS_VISIT_3(VISIT, p.tessellateHeader.groups) VISIT(p.tessellateHeader.unused) \

@@ -11,7 +11,6 @@ struct TessellateParams {
     vec3 eye;        // world
     float reach;     // edges are first halved nearer than the wavelength times this
     uint pairs;      // with the unused first one
-    uint instances;  // with the first, which is none
     uint capacity;   // triangles that can be refined
     uint total;      // where the number of all stands in the scanned counts
     uint firstVertex, firstTriangle, firstMeshlet;
