@@ -280,7 +280,7 @@ TEST_F(DeviceTest, describesItself) {
 }
 
 TEST_F(DeviceTest, validationSpeaksUpAboutMisuse) {
-    const Device own(DeviceRequest{.device = "llvmpipe", .validation = true});
+    const Device own(DeviceRequest{.device = testDevice(), .validation = true});
     EXPECT_TRUE(own.validationMessages().empty());
     const Buffer a(own, "a", 256), b(own, "b", 256);
     own.runNow([&](const vk::raii::CommandBuffer& commands) {
