@@ -16,6 +16,11 @@ inline std::string testDevice() {
     return asked && *asked ? asked : "llvmpipe";
 }
 
+/// Whether that is the driver whose last bits tests may expect.
+inline bool onReferenceDriver() {
+    return testDevice() == "llvmpipe";
+}
+
 /// A test that needs a device: testDevice(), with validation and synchronization validation.
 /// A suite shares one device. A test during which the layers say anything fails. Without the driver
 /// or the layers tests are skipped, but fail in CI, which must have both.

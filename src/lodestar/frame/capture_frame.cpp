@@ -43,7 +43,8 @@ std::uint64_t rowBytes(CaptureBackend backend, const CaptureSettings& s) {
 std::uint32_t chooseRows(const gpu::Device& device, const scene::GpuScene& scene,
                          CaptureBackend backend, const CaptureSettings& s) {
     if (s.bandRows > 0) return std::min(s.bandRows, s.base.height);
-    std::uint64_t room = s.transientBytes;
+    // Drivers align what images and buffers take.
+    std::uint64_t room = s.transientBytes - s.transientBytes / 16;
     if (backend == CaptureBackend::compute)
         room -= std::min(room, visibility::CaptureCompute::Scratch::fixedBytes(scene));
     std::uint64_t rows = std::max<std::uint64_t>(room / rowBytes(backend, s), 1);
