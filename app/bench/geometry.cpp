@@ -123,7 +123,7 @@ Result<void> measureModes(const BenchCase& what, const BenchOptions& options, Be
             // Without culling a frame takes long, and varies little.
             const int rounds =
                 mode == CullMode::none ? std::min(options.rounds, 3) : options.rounds;
-            for (int i = 0; i < 2; ++i) frame.render(camera, {});
+            warmUp([&] { return frame.render(camera, {}); });
             Times times;
             for (int i = 0; i < rounds; ++i) times.add(frame.render(camera, {}));
             const quality::RgbImage picture = readDisplay(*session.device, frame);
@@ -235,7 +235,7 @@ Result<BenchResult> runScale(const BenchOptions& options) {
             settings.cull = mode;
             settings.lod = lod ? allowed(options.settings.lod.errorPx) : LodChoice{};
             frame::Frame frame(*session.device, *session.gpuScene, settings);
-            for (int i = 0; i < 2; ++i) frame.render(camera, {});
+            warmUp([&] { return frame.render(camera, {}); });
             Times times;
             for (int i = 0; i < options.rounds; ++i) times.add(frame.render(camera, {}));
             Json row = rowStart("scale", what, options);

@@ -43,8 +43,7 @@ std::uint64_t rowBytes(CaptureBackend backend, const CaptureSettings& s) {
 std::uint32_t chooseRows(const gpu::Device& device, const scene::GpuScene& scene,
                          CaptureBackend backend, const CaptureSettings& s) {
     if (s.bandRows > 0) return std::min(s.bandRows, s.base.height);
-    // Drivers align what images and buffers take.
-    std::uint64_t room = s.transientBytes - s.transientBytes / 16;
+    std::uint64_t room = s.transientBytes;
     if (backend == CaptureBackend::compute)
         room -= std::min(room, visibility::CaptureCompute::Scratch::fixedBytes(scene));
     std::uint64_t rows = std::max<std::uint64_t>(room / rowBytes(backend, s), 1);
@@ -119,7 +118,16 @@ CaptureFrame::CaptureFrame(const gpu::Device& owner, const scene::GpuScene& gpuS
       list(owner, gpuScene, "capture", scene::TablePart::whole),
       implementation([&] {
           transient = owner.allocatedBytes();  // the list is what is drawn, not how it is captured
-          return makeBackend();
+          auto made = std::make_optional(makeBackend());
+          const double took = static_cast<double>(owner.allocatedBytes() - transient);
+          // Drivers align what images take, more than can be known before.
+          if (const double room = static_cast<double>(s.transientBytes);
+              s.bandRows == 0 && took > room) {
+              made.reset();
+              bandRows = std::max(static_cast<std::uint32_t>(bandRows * room / took), 1u);
+              made.emplace(makeBackend());
+          }
+          return std::move(*made);
       }()),
       compactPass(owner, s.side),
       scratch(owner, s.base.width * bandRows),
