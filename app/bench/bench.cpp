@@ -11,93 +11,22 @@
 #include <fmt/format.h>
 
 #include "app/bench/benches.hpp"
+#include "app/bench/results.hpp"
 #include "app/camera_path.hpp"
 #include "app/console.hpp"
 #include "app/frame_options.hpp"
 #include "app/geometry_options.hpp"
-#include "app/whole_file.hpp"
 
 namespace lodestar::app {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// A cell as people read it: the unit is in the key.
-std::string cellText(const std::string& key, const Json& row) {
-    const auto found = row.find(key);
-    if (found == row.end()) return "";
-    if (found->is_null()) return "–";
-    if (found->is_string()) return printable(found->get<std::string>());
-    const double value = found->get<double>();
-    if (key.ends_with("_ms")) return formatMs(value);
-    if (key.ends_with("_db")) return fmt::format("{:.1f} dB", value);
-    if (key.ends_with("_bytes")) return formatBytes(static_cast<std::uint64_t>(value));
-    if (key.ends_with("_share")) return fmt::format("{:.1f} %", 100 * value);
-    if (found->is_number_integer()) return found->dump();
-    return fmt::format("{:.{}f}", value, key == "ssim" || key == "flip" ? 4 : 2);
-}
-
-/// "edge_psnr_db" → "edge psnr": cells say the unit.
-std::string headingOf(std::string key) {
-    for (const char* unit : {"_ms", "_db", "_share", "_bytes"})
-        if (key.ends_with(unit)) key.resize(key.rfind('_'));
-    std::replace(key.begin(), key.end(), '_', ' ');
-    return key;
-}
-
-void printRows(const Json& rows, const std::string& measures,
-               const std::vector<std::string>& keys) {
-    std::vector<Table::Column> columns;
-    for (const std::string& key : keys) {
-        const bool text = key == "scene" || key == "camera" || key == "method" || key == "path" ||
-                          key == "size" || key == "culling" || key == "lod";
-        columns.push_back({headingOf(key), text ? Table::Align::left : Table::Align::right});
-    }
-    Table table(columns);
-    for (const Json& row : rows) {
-        if (row.at("measures") != measures) continue;
-        std::vector<std::string> cells;
-        for (const std::string& key : keys) cells.push_back(cellText(key, row));
-        table.row(std::move(cells));
-    }
-    fmt::print("\n{}\n{}", measures, table.text());
-}
-
-void printBars(const std::vector<Bar>& bars) {
-    Table table({{"bar"}, {"measured", Table::Align::right}, {"goal", Table::Align::right}, {""}});
-    for (const Bar& bar : bars)
-        table.row({printable(bar.what),
-                   std::isfinite(bar.value) ? fmt::format("{:.2f} {}", bar.value, bar.unit) : "–",
-                   bar.goal, bar.holds ? "holds" : "MISSED"});
-    fmt::print("\nbars\n{}", table.text());
-}
-
-Json barsJson(const std::vector<Bar>& bars) {
-    Json json = Json::array();
-    for (const Bar& bar : bars)
-        json.push_back({{"what", bar.what},
-                        {"value", finiteOrNull(bar.value)},
-                        {"unit", bar.unit},
-                        {"goal", bar.goal},
-                        {"holds", bar.holds}});
-    return json;
-}
-
 const Bench* findBench(const std::string& name) {
     const auto& all = benches();
     const auto found =
         std::find_if(all.begin(), all.end(), [&](const Bench& b) { return b.name == name; });
     return found == all.end() ? nullptr : &*found;
-}
-
-std::string csvCell(const Json& value) {
-    if (value.is_null()) return "";
-    if (!value.is_string()) return value.dump();
-    std::string text = value.get<std::string>();
-    if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-    std::string quoted = "\"";
-    for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-    return quoted + '"';
 }
 
 }  // namespace
@@ -181,22 +110,16 @@ Result<Json> runBench(const std::string& name, const BenchOptions& given) {
     auto result = bench->run(options);
     if (!result) return tl::unexpected(result.error());
     result->bars = bench->bars(result->rows);
-    result->report.settings["rounds"] = options.rounds;
-    result->report.more["rows"] = result->rows;
-    result->report.more["source"] = result->source;
-    result->report.more["bars"] = barsJson(result->bars);
-    const fs::path json = options.out / (name + ".json"), csv = options.out / (name + ".csv");
-    const Json all = toJson(result->report);
-    if (const auto done = writeJson(json, all); !done) return tl::unexpected(done.error());
-    if (const auto done = writeWholeFile(csv, csvOf(result->rows)); !done)
-        return tl::unexpected(done.error());
-
-    for (const auto& [measures, keys] : bench->tables) printRows(result->rows, measures, keys);
-    printBars(result->bars);
-    fmt::print("\n");
+    Json& settings = result->report.settings;
+    settings["rounds"] = options.rounds;
+    settings["width"] = options.view.size.width;
+    settings["height"] = options.view.size.height;
+    const auto written = writeResult(*bench, *result, options.out);
+    if (!written) return tl::unexpected(written.error());
+    fmt::print("\n{}\n", resultText(*bench, *written));
     for (const fs::path& file : result->files) fmt::print("wrote {}\n", file.string());
-    fmt::print("wrote {}\nwrote {}\n", csv.string(), json.string());
-    return all;
+    fmt::print("wrote {0}.csv\nwrote {0}.json\n", (options.out / name).string());
+    return *written;
 }
 
 Result<OpenCase> openCase(const BenchCase& what, const BenchOptions& options) {
@@ -227,38 +150,24 @@ double numberOrInfinity(const Json& row, const char* key) {
     return value.is_null() ? std::numeric_limits<double>::infinity() : value.get<double>();
 }
 
-std::string csvOf(const Json& rows) {
-    std::vector<std::string> keys;
-    for (const Json& row : rows)
-        for (const auto& [key, value] : row.items())
-            if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
-    std::string text;
-    for (const std::string& key : keys) text += (text.empty() ? "" : ",") + csvCell(Json(key));
-    text += '\n';
-    for (const Json& row : rows) {
-        for (std::size_t i = 0; i < keys.size(); ++i) {
-            if (i > 0) text += ',';
-            if (const auto found = row.find(keys[i]); found != row.end()) text += csvCell(*found);
-        }
-        text += '\n';
-    }
-    return text;
-}
-
 void addBench(CLI::App& app, int& exitCode) {
     auto o = std::make_shared<BenchOptions>();
     auto name = std::make_shared<std::string>();
     auto quick = std::make_shared<bool>(false);
     CLI::App* command = app.add_subcommand(
         "bench", "measure one figure or table; `lodestar bench list` names them");
-    std::vector<std::string> names{"list"};
+    std::vector<std::string> names{"list", "all"};
     for (const Bench& bench : benches()) names.push_back(bench.name);
     command
-        ->add_option("NAME", *name, "list, or the bench to run (`lodestar bench list` names them)")
+        ->add_option("NAME", *name,
+                     "list, all, or the bench to run (`lodestar bench list` names them)")
         ->type_name("")
         ->required()
         ->check(CLI::IsMember(names));
-    command->add_option("--out", o->out, "folder for NAME.json, NAME.csv and pictures")
+    command
+        ->add_option("--out", o->out,
+                     "folder for NAME.json, NAME.csv and pictures, and for results.json and "
+                     "results.md: the newest run there of each bench")
         ->type_name("DIR");
     command->add_flag("--quick", *quick,
                       "under a minute: builtin:columns at 160x90, few rounds, same columns");
@@ -314,8 +223,15 @@ void addBench(CLI::App& app, int& exitCode) {
             if (rounds->count() > 0) o->rounds = asked.rounds;
             if (frames->count() > 0) o->frames = asked.frames;
         }
-        const auto done = runBench(*name, *o);
-        exitCode = finish(done ? Result<void>() : tl::unexpected(done.error()));
+        exitCode = kExitOk;
+        for (const Bench& bench : benches()) {
+            if (*name != "all" && *name != bench.name) continue;
+            if (*name == "all") fmt::print("\n# {}: {}\n\n", bench.name, bench.what);
+            const auto done = runBench(bench.name, *o);
+            // One that fails, for want of a scene say, does not keep the others from running.
+            const int code = finish(done ? Result<void>() : tl::unexpected(done.error()));
+            if (code != kExitOk) exitCode = code;
+        }
     });
 }
 
