@@ -231,8 +231,11 @@ void CaptureFrame::recordBand(gpu::Recorder& r, const Band& band, const glm::mat
     } else {
         auto& compute = std::get<Compute>(implementation);
         if (band.index > 0) r.barrier(Stage::compute, Stage::transfer);
-        compute.pass.record(r, *scene, draws, clipFromWorld, gridC(), band.firstRow * settings.side,
-                            band.rows * settings.side, compute.scratch);
+        compute.pass.record(r, *scene, draws, clipFromWorld,
+                            {.gridC = gridC(),
+                             .firstRow = band.firstRow * settings.side,
+                             .rows = band.rows * settings.side},
+                            compute.scratch, geometry::DrawPhase::first);
         samples.words = &compute.scratch.words;
     }
     compactPass.record(r, samples, band, scratch, out);
