@@ -40,12 +40,12 @@ std::uint64_t rowBytes(CaptureBackend backend, const CaptureSettings& s) {
     return 8 * samples + counts;
 }
 
-std::uint32_t chooseRows(const gpu::Device& device, const scene::GpuScene& scene,
+std::uint32_t chooseRows(const gpu::Device& device,
                          CaptureBackend backend, const CaptureSettings& s) {
     if (s.bandRows > 0) return std::min(s.bandRows, s.base.height);
     std::uint64_t room = s.transientBytes;
     if (backend == CaptureBackend::compute)
-        room -= std::min(room, visibility::CaptureCompute::Scratch::fixedBytes(scene));
+        room -= std::min(room, visibility::CaptureCompute::Scratch::fixedBytes());
     std::uint64_t rows = std::max<std::uint64_t>(room / rowBytes(backend, s), 1);
     if (backend == CaptureBackend::compute) {
         const auto& limits = device.physical().getProperties().limits;
@@ -112,10 +112,10 @@ CaptureFrame::CaptureFrame(const gpu::Device& owner, const scene::GpuScene& gpuS
       scene(&gpuScene),
       settings(checked(s)),
       used(usedBackend(owner, gpuScene, s)),
-      bandRows(chooseRows(owner, gpuScene, used, s)),
+      bandRows(chooseRows(owner, used, s)),
       transient(owner.allocatedBytes()),
       cull(owner),
-      list(owner, gpuScene, "capture", scene::TablePart::whole),
+      list(owner, gpuScene, "capture", scene::TablePart::whole, used == CaptureBackend::compute ? geometry::kProjectedClusters : 0),
       implementation([&] {
           transient = owner.allocatedBytes();  // the list is what is drawn, not how it is captured
           return makeBackend();
@@ -135,7 +135,7 @@ CaptureFrame::Backend CaptureFrame::makeBackend() const {
                                {*device, settings.base.width, bandRows, settings.side}};
         case CaptureBackend::compute:
             return Compute{{*device, features},
-                           {*device, *scene, std::uint64_t{band.width} * band.height}};
+                           {*device, std::uint64_t{band.width} * band.height}};
         default:
             return Supersample{
                 {*device, features},
@@ -181,7 +181,12 @@ void CaptureFrame::recordBand(gpu::Recorder& r, const Band& band, const glm::mat
         r.barrier(Stage::raster, Stage::compute);
         r.barrier(Stage::compute, Stage::compute);
     }
-    cull.record(r, *scene, {bandFromClip * clipFromWorld, eye, cullSize}, list);
+    const geometry::SampledPicture picture{clipFromWorld, gridC(), band.firstRow * settings.side,
+                                           band.rows * settings.side};
+    geometry::CullView view{
+        .clipFromWorld = bandFromClip * clipFromWorld, .eye = eye, .size = cullSize};
+    if (used == CaptureBackend::compute) view.samples = picture;
+    cull.record(r, *scene, view, list);
     r.barrier(Stage::compute, Stage::raster);
     r.barrier(Stage::compute, Stage::compute);
     r.barrier(Stage::compute, Stage::indirect);
@@ -201,11 +206,8 @@ void CaptureFrame::recordBand(gpu::Recorder& r, const Band& band, const glm::mat
     } else {
         auto& compute = std::get<Compute>(implementation);
         if (band.index > 0) r.barrier(Stage::compute, Stage::transfer);
-        compute.pass.record(r, *scene, list, clipFromWorld,
-                            {.gridC = gridC(),
-                             .firstRow = band.firstRow * settings.side,
-                             .rows = band.rows * settings.side},
-                            compute.scratch, geometry::DrawPhase::first);
+        compute.pass.record(r, *scene, list, picture, compute.scratch, "capture",
+                            geometry::DrawPhase::first);
         samples.words = &compute.scratch.words;
     }
     compactPass.record(r, samples, band, scratch, out);
