@@ -58,10 +58,14 @@ std::optional<std::size_t> findCamera(const scene::Scene& scene, const std::stri
 
 }  // namespace
 
-Result<Session> openSession(const std::string& sceneName, const gpu::DeviceRequest& request) {
+Result<Session> openSession(const std::string& sceneName, const gpu::DeviceRequest& request,
+                            bool opaque) {
     Session session{.sceneName = sceneName};
     auto loaded = scene::load(sceneName);
     if (!loaded) return tl::unexpected(loaded.error());
+    for (scene::Material& material : loaded->materials)
+        if (opaque && material.alphaMode == scene::AlphaMode::blend)
+            material.alphaMode = scene::AlphaMode::opaque;
     session.scene = std::make_unique<const scene::Scene>(std::move(*loaded));
     for (const std::string& note : session.scene->notes) fmt::print("note: {}\n", printable(note));
     session.device = std::make_unique<gpu::Device>(request);

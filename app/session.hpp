@@ -22,8 +22,9 @@ struct Session {
 };
 
 /// Loads `sceneName`, opens the device and uploads. What is missing in the picture is said on
-/// standard output, one line a note.
-Result<Session> openSession(const std::string& sceneName, const gpu::DeviceRequest&);
+/// standard output, one line a note. `opaque`: what is seen through is drawn opaque.
+Result<Session> openSession(const std::string& sceneName, const gpu::DeviceRequest&,
+                            bool opaque = false);
 
 /// The camera `options` names: an explicit one, one of the scene, one of the `views.json` beside
 /// the scene file, or the one that frames the scene.

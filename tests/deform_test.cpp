@@ -78,7 +78,7 @@ protected:
                 const shared::GpuLod& lod = lods[mesh.firstLod];
                 for (std::uint32_t m = 0; m < lod.meshletCount; ++m) {
                     const shared::GpuMeshlet& meshlet = meshlets[lod.firstMeshlet + m];
-                    for (std::uint32_t t = 0; t < meshlet.triangleCount; ++t) {
+                    for (std::uint32_t t = 0; t < meshletTriangles(meshlet); ++t) {
                         const shared::GpuTriangle& corners = triangles[meshlet.triangles + t];
                         for (const std::uint32_t v : {corners.a, corners.b, corners.c}) {
                             const glm::dvec3 p(vertices[v].position);

@@ -22,6 +22,7 @@
 #include "lodestar/shading/light_params.h"
 #include "lodestar/upsample/refine_params.h"
 #include "lodestar/upsample/upsample_params.h"
+#include "lodestar/geometry/project_params.h"
 #include "lodestar/visibility/capture_compute_params.h"
 #include "lodestar/visibility/capture_ms_params.h"
 #include "lodestar/visibility/capture_ss_params.h"
@@ -74,8 +75,9 @@ struct AllParams {
     ReduceParams reduce;
     CompactVisibilityParams compactVisibility;
     CaptureComputeParams captureCompute;
+    CaptureArgsParams captureArgs;
     CaptureQueueCounts captureQueue;
-    CaptureLarge captureLarge;
+    ProjectParams project;
     CaptureMsDrawParams captureMsDraw;
     CaptureMsParams captureMs;
     ExpandParams expand;
@@ -132,10 +134,10 @@ LS_NAMESPACE_END
 #define LS_VISIT_ALL(VISIT, p) \
     VISIT(p.vertex.position) VISIT(p.vertex.normal) \
     VISIT(p.attributes.uv) VISIT(p.attributes.tangent) VISIT(p.attributes.color) \
-    VISIT(p.triangle.a) VISIT(p.triangle.b) VISIT(p.triangle.c) VISIT(p.triangle.unused) \
+    VISIT(p.triangle.a) VISIT(p.triangle.b) VISIT(p.triangle.c) VISIT(p.triangle.own) \
     VISIT(p.meshlet.centre) VISIT(p.meshlet.radius) VISIT(p.meshlet.coneAxis) \
-    VISIT(p.meshlet.coneCutoff) VISIT(p.meshlet.triangles) VISIT(p.meshlet.triangleCount) \
-    VISIT(p.meshlet.material) VISIT(p.meshlet.lod) \
+    VISIT(p.meshlet.coneCutoff) VISIT(p.meshlet.triangles) VISIT(p.meshlet.vertices) \
+    VISIT(p.meshlet.material) VISIT(p.meshlet.counts) \
     VISIT(p.cluster.instance) VISIT(p.cluster.meshlet) VISIT(p.cluster.triangles) \
     VISIT(p.cluster.material) VISIT(p.cluster.triangleCount) \
     VISIT(p.cluster.lod) VISIT(p.cluster.bin) VISIT(p.cluster.unused) \
@@ -150,7 +152,8 @@ LS_NAMESPACE_END
     LS_VISIT_5(VISIT, p.tessellate.planes) VISIT(p.tessellate.eye) VISIT(p.tessellate.reach) \
     VISIT(p.tessellate.pairs) VISIT(p.tessellate.capacity) \
     VISIT(p.tessellate.total) VISIT(p.tessellate.firstVertex) VISIT(p.tessellate.firstTriangle) \
-    VISIT(p.tessellate.firstMeshlet) VISIT(p.tessellate.secondUvs) \
+    VISIT(p.tessellate.firstMeshlet) VISIT(p.tessellate.firstListed) \
+    VISIT(p.tessellate.secondUvs) \
     LS_VISIT_3(VISIT, p.tessellateHeader.groups) VISIT(p.tessellateHeader.unused) \
     LS_VISIT_3(VISIT, p.tessellateHeader.within) VISIT(p.tessellateHeader.within[3]) \
     VISIT(p.tessellateHeader.within[4]) VISIT(p.tessellateHeader.within[5]) \
@@ -185,6 +188,10 @@ LS_NAMESPACE_END
     LS_VISIT_LIST(VISIT, p.cullCounts.lists[6]) LS_VISIT_LIST(VISIT, p.cullCounts.lists[7]) \
     VISIT(p.cullCounts.instances) VISIT(p.cullCounts.instancesHidden) \
     VISIT(p.cullCounts.instancesFound) VISIT(p.cullCounts.clustersHidden) \
+    LS_VISIT_3(VISIT, p.cullCounts.beyond[0].groups) \
+    LS_VISIT_3(VISIT, p.cullCounts.beyond[1].groups) \
+    VISIT(p.project.clipFromWorld) VISIT(p.project.size) VISIT(p.project.firstRow) \
+    VISIT(p.project.rows) VISIT(p.project.phase) VISIT(p.project.table) VISIT(p.project.capacity) \
     VISIT(p.scan.source) VISIT(p.scan.result) VISIT(p.scan.times) VISIT(p.scan.capacity) \
     VISIT(p.scan.before) VISIT(p.scan.totals) \
     VISIT(p.phase.phase) VISIT(p.phase.table) \
@@ -221,11 +228,14 @@ LS_NAMESPACE_END
     VISIT(p.compactVisibility.capacity) \
     VISIT(p.captureCompute.clipFromWorld) VISIT(p.captureCompute.size) \
     VISIT(p.captureCompute.firstRow) VISIT(p.captureCompute.rows) \
+    VISIT(p.captureCompute.table) VISIT(p.captureCompute.capacity) \
+    VISIT(p.captureArgs.firstDraw) VISIT(p.captureArgs.capacity) \
     LS_VISIT_3(VISIT, p.captureQueue.groups) VISIT(p.captureQueue.first) \
-    VISIT(p.captureQueue.count) VISIT(p.captureQueue.clipped) VISIT(p.captureQueue.large) \
+    LS_VISIT_3(VISIT, p.captureQueue.slowGroups) VISIT(p.captureQueue.count) \
+    LS_VISIT_3(VISIT, p.captureQueue.clipGroups) VISIT(p.captureQueue.clipped) \
+    LS_VISIT_3(VISIT, p.captureQueue.splitGroups) VISIT(p.captureQueue.large) \
+    LS_VISIT_3(VISIT, p.captureQueue.tileGroups) VISIT(p.captureQueue.tiles) \
     VISIT(p.captureQueue.jobs) \
-    VISIT(p.captureLarge.v0) VISIT(p.captureLarge.v1) VISIT(p.captureLarge.v2) \
-    VISIT(p.captureLarge.depth) VISIT(p.captureLarge.id) \
     VISIT(p.captureMsDraw.clipFromWorld) VISIT(p.captureMsDraw.size) \
     VISIT(p.captureMsDraw.firstRow) \
     VISIT(p.captureMs.shift) VISIT(p.captureMs.size) \

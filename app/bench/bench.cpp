@@ -123,7 +123,7 @@ Result<Json> runBench(const std::string& name, const BenchOptions& given) {
 }
 
 Result<OpenCase> openCase(const BenchCase& what, const BenchOptions& options) {
-    auto session = openSession(what.scene, options.device);
+    auto session = openSession(what.scene, options.device, what.opaque);
     if (!session) return tl::unexpected(session.error());
     ViewOptions view = options.view;
     view.camera = what.camera;

@@ -39,6 +39,7 @@ void makeQuick(BenchOptions&);
 /// A scene, where it is seen from and how the camera moves.
 struct BenchCase {
     std::string scene, camera, path;
+    bool opaque = false;  ///< what is seen through in the model is drawn opaque
 };
 
 /// What was asked for in place of `defaults`, or those, found in the folder of scenes.

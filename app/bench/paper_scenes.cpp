@@ -91,7 +91,11 @@ const PaperScene& roleOf(const BenchCase& what) {
 Result<std::vector<BenchCase>> paperCases(const BenchOptions& options) {
     std::vector<BenchCase> defaults;
     for (const PaperScene& paper : kPaperScenes) defaults.push_back({paper.file, paper.camera, ""});
-    return benchCases(options, defaults);
+    auto cases = benchCases(options, defaults);
+    // The paper's have nothing that is seen through, whose terms no grid S holds.
+    if (cases)
+        for (BenchCase& one : *cases) one.opaque = true;
+    return cases;
 }
 
 }  // namespace lodestar::app

@@ -38,7 +38,7 @@ frame::FrameSettings withLoad(frame::FrameSettings, budget::Term, Load);
 Load loadFor(budget::Term, double wanted, Load now, double share);
 /// The share of the terms in the full-quality frame; median of three.
 double shareOf(frame::Frame&, const scene::Camera&);
-/// The load at which the scene's term has the paper's share on this device, found in two steps; its
+/// The load at which the scene's term has the paper's share on this device, found in steps; its
 /// share at the paper's own load is printed.
 Load findLoad(const PaperScene&, const Session&, const scene::Camera&, const frame::FrameSettings&);
 

@@ -74,6 +74,7 @@ lodestar_shaders(lodestar
     geometry/hiz_halve.comp
     geometry/hiz_words.comp
     geometry/list_chunks.comp
+    geometry/project.comp
     geometry/scan_blocks.comp
     geometry/tessellate_list.comp
     geometry/tessellate_refine.comp

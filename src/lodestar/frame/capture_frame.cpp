@@ -47,12 +47,12 @@ std::uint64_t rowBytes(CaptureBackend backend, const CaptureSettings& s) {
     return 8 * samples + counts;
 }
 
-std::uint32_t chooseRows(const gpu::Device& device, const scene::GpuScene& scene,
-                         CaptureBackend backend, const CaptureSettings& s) {
+std::uint32_t chooseRows(const gpu::Device& device, CaptureBackend backend,
+                         const CaptureSettings& s) {
     if (s.bandRows > 0) return std::min(s.bandRows, s.base.height);
     std::uint64_t room = s.transientBytes;
     if (backend == CaptureBackend::compute)
-        room -= std::min(room, visibility::CaptureCompute::Scratch::fixedBytes(scene));
+        room -= std::min(room, visibility::CaptureCompute::Scratch::fixedBytes());
     std::uint64_t rows = std::max<std::uint64_t>(room / rowBytes(backend, s), 1);
     if (backend == CaptureBackend::compute) {
         const auto& limits = device.physical().getProperties().limits;
@@ -120,10 +120,11 @@ CaptureFrame::CaptureFrame(const gpu::Device& owner, const scene::GpuScene& gpuS
       scene(&gpuScene),
       settings(checked(s)),
       used(usedBackend(owner, gpuScene, s)),
-      bandRows(chooseRows(owner, gpuScene, used, s)),
+      bandRows(chooseRows(owner, used, s)),
       transient(owner.allocatedBytes()),
       cull(owner),
-      draws(owner, gpuScene, "capture", s.lod ? scene::TablePart::eye : scene::TablePart::whole),
+      draws(owner, gpuScene, "capture", s.lod ? scene::TablePart::eye : scene::TablePart::whole,
+            used == CaptureBackend::compute ? geometry::kProjectedClusters : 0),
       implementation([&] {
           transient = owner.allocatedBytes();  // the list is what is drawn, not how it is captured
           auto made = std::make_optional(makeBackend());
@@ -151,8 +152,7 @@ CaptureFrame::Backend CaptureFrame::makeBackend() const {
             return Multisample{{*device, features, settings.side},
                                {*device, settings.base.width, bandRows, settings.side}};
         case CaptureBackend::compute:
-            return Compute{{*device, features},
-                           {*device, *scene, std::uint64_t{band.width} * band.height}};
+            return Compute{{*device, features}, {*device, std::uint64_t{band.width} * band.height}};
         default:
             return Supersample{
                 {*device, features},
@@ -179,6 +179,11 @@ void CaptureFrame::record(gpu::Recorder& recorder, const scene::Camera& camera) 
     }
 }
 
+geometry::SampledPicture CaptureFrame::pictureOf(const Band& band,
+                                                 const glm::mat4& clipFromWorld) const {
+    return {clipFromWorld, gridC(), band.firstRow * settings.side, band.rows * settings.side};
+}
+
 /// The triangles that a band may show, or, where levels of detail are chosen, the picture: what
 /// stands for a mesh must be the same in all bands.
 void CaptureFrame::listTriangles(gpu::Recorder& r, const Band& band, const glm::mat4& clipFromWorld,
@@ -190,24 +195,23 @@ void CaptureFrame::listTriangles(gpu::Recorder& r, const Band& band, const glm::
     }
     // Culling sees the band as a picture of its own; multisampling draws a pixel more around it.
     const std::uint32_t margin = used == CaptureBackend::multisample ? 1 : 0;
-    const std::uint32_t first = settings.lod ? 0 : band.firstRow;
-    const std::uint32_t bandHeight = settings.lod ? settings.base.height : band.rows;
+    const Band listed = settings.lod ? Band{0, 0, settings.base.height} : band;
     const auto height = static_cast<float>(settings.base.height);
-    const auto rows = static_cast<float>(bandHeight + 2 * margin);
+    const auto rows = static_cast<float>(listed.rows + 2 * margin);
     const auto width = static_cast<float>(settings.base.width);
     const float widened = width + static_cast<float>(2 * margin);
-    const float middle = static_cast<float>(2 * first + bandHeight) - height;
+    const float middle = static_cast<float>(2 * listed.firstRow + listed.rows) - height;
     glm::mat4 bandFromClip(1);
     bandFromClip[0][0] = width / widened;
     bandFromClip[1][1] = height / rows;
     bandFromClip[3][1] = -middle / rows;
-    cull.record(r, *scene,
-                {.clipFromWorld = bandFromClip * clipFromWorld,
-                 .eye = eye,
-                 .size = {(settings.base.width + 2 * margin) * settings.side,
-                          (bandHeight + 2 * margin) * settings.side},
-                 .lod = sampleLod(settings)},
-                draws);
+    geometry::CullView view{.clipFromWorld = bandFromClip * clipFromWorld,
+                            .eye = eye,
+                            .size = {(settings.base.width + 2 * margin) * settings.side,
+                                     (listed.rows + 2 * margin) * settings.side},
+                            .lod = sampleLod(settings)};
+    if (used == CaptureBackend::compute) view.samples = pictureOf(listed, clipFromWorld);
+    cull.record(r, *scene, view, draws);
     r.barrier(Stage::compute, Stage::raster);
     r.barrier(Stage::compute, Stage::compute);
     r.barrier(Stage::compute, Stage::indirect);
@@ -231,11 +235,8 @@ void CaptureFrame::recordBand(gpu::Recorder& r, const Band& band, const glm::mat
     } else {
         auto& compute = std::get<Compute>(implementation);
         if (band.index > 0) r.barrier(Stage::compute, Stage::transfer);
-        compute.pass.record(r, *scene, draws, clipFromWorld,
-                            {.gridC = gridC(),
-                             .firstRow = band.firstRow * settings.side,
-                             .rows = band.rows * settings.side},
-                            compute.scratch, geometry::DrawPhase::first);
+        compute.pass.record(r, *scene, draws, pictureOf(band, clipFromWorld), compute.scratch,
+                            "capture", geometry::DrawPhase::first);
         samples.words = &compute.scratch.words;
     }
     compactPass.record(r, samples, band, scratch, out);

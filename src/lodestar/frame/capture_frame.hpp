@@ -87,6 +87,8 @@ private:
     };
     using Backend = std::variant<Supersample, Multisample, Compute>;
     Backend makeBackend() const;
+    geometry::SampledPicture pictureOf(const visibility::Band&,
+                                       const glm::mat4& clipFromWorld) const;
     void listTriangles(gpu::Recorder&, const visibility::Band&, const glm::mat4& clipFromWorld,
                        glm::vec3 eye);
     void recordBand(gpu::Recorder&, const visibility::Band&, const glm::mat4& clipFromWorld,

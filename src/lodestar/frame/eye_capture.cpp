@@ -25,7 +25,7 @@ EyeCapture::Backend EyeCapture::makeBackend(const gpu::Device& device, const sce
                                                                  : CaptureBackend::supersample;
     if (backend == CaptureBackend::compute)
         return Compute{{device, scene.features()},
-                       {device, scene, std::uint64_t{room.width} * room.height}};
+                       {device, std::uint64_t{room.width} * room.height}};
     return Raster{{device, scene.features()},
                   target(device, room, vk::Format::eD32Sfloat, "depth buffer",
                          vk::ImageUsageFlagBits::eDepthStencilAttachment)};
@@ -36,16 +36,23 @@ CaptureBackend EyeCapture::backend() const {
                                                            : CaptureBackend::supersample;
 }
 
+std::optional<geometry::SampledPicture> EyeCapture::samplesOf(const glm::mat4& clipFromWorld,
+                                                              vk::Extent2D size) const {
+    if (!std::holds_alternative<Compute>(implementation)) return std::nullopt;
+    return geometry::SampledPicture{clipFromWorld, size, 0, size.height};
+}
+
 void EyeCapture::record(gpu::Recorder& rec, const scene::GpuScene& scene,
                         const geometry::DrawList& list, const glm::mat4& clipFromWorld,
-                        gpu::View ids, const std::string& name, geometry::DrawPhase phase) const {
+                        gpu::View ids, const std::string& name, geometry::DrawPhase phase,
+                        bool complete) const {
     rec.barrier(Stage::compute, Stage::indirect);
     if (const auto* compute = std::get_if<Compute>(&implementation)) {
         rec.barrier(Stage::compute, Stage::compute);
         rec.barrier(Stage::compute, Stage::transfer);
-        compute->pass.record(rec, scene, list, clipFromWorld, {.gridC = ids.extent, .name = name},
-                             compute->scratch, phase);
-        compute->pass.recordIds(rec, compute->scratch, ids);
+        compute->pass.record(rec, scene, list, {clipFromWorld, ids.extent, 0, ids.extent.height},
+                             compute->scratch, name, phase);
+        if (complete) compute->pass.recordIds(rec, compute->scratch, ids);
         rec.barrier(Stage::compute, Stage::compute);
         return;
     }

@@ -17,14 +17,18 @@ public:
 
     /// Draws `list`, whose contents compute has written, over what is there (the second phase) or
     /// anew, and leaves ids visible to compute: R32_UINT, color attachment and storage.
+    /// Where culling is not done yet, `complete` is false: the ids are not needed then.
     void record(gpu::Recorder&, const scene::GpuScene&, const geometry::DrawList& list,
                 const glm::mat4& clipFromWorld, gpu::View ids, const std::string& name,
-                geometry::DrawPhase) const;
+                geometry::DrawPhase, bool complete = true) const;
     /// The depths of a picture of `size` that was recorded last.
     void recordHiZ(gpu::Recorder&, vk::Extent2D size, const glm::mat4& clipFromWorld,
                    geometry::HiZ&) const;
     /// What automatic became.
     CaptureBackend backend() const;
+    /// What culling must know of the picture: CullView::samples.
+    std::optional<geometry::SampledPicture> samplesOf(const glm::mat4& clipFromWorld,
+                                                      vk::Extent2D size) const;
 
 private:
     struct Raster {

@@ -73,7 +73,8 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
                  .size = live,
                  .cull = options.cull,
                  .lod = options.lod,
-                 .wavePx = options.wavePx});
+                 .wavePx = options.wavePx,
+                 .samples = capture.samplesOf(clipFromWorld(camera), live)});
 
     if (tracker) tracker->record(rec, *scene, ids(), viewBuffer, steadyClipFromWorld(camera));
     if (tracker && post) post->moved(motion());
@@ -277,7 +278,8 @@ glm::mat4 Frame::clipFromWorld(const scene::Camera& camera) const {
 void Frame::findVisible(const geometry::CullView& view) {
     using Phase = geometry::DrawPhase;
     const auto draw = [&](const char* name, Phase phase) {
-        capture.record(rec, *scene, eyeList, view.clipFromWorld, ids(), name, phase);
+        const bool complete = phase == Phase::second || view.cull != geometry::CullMode::hiz;
+        capture.record(rec, *scene, eyeList, view.clipFromWorld, ids(), name, phase, complete);
     };
     tessellate.record(rec, *scene, view);
     if (view.cull != geometry::CullMode::hiz) {

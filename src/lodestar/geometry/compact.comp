@@ -35,7 +35,7 @@ void main() {
     const uint mesh = loadInstance(candidate.x).mesh;
     const uint bin = texelFetch(meshes, int(2 * mesh + 1)).z;
     clusters[2 * number] = uvec4(candidate.x, meshletIndex, meshlet.triangles, meshlet.material);
-    clusters[2 * number + 1] = uvec4(meshlet.triangleCount, meshlet.lod, bin, 0);
+    clusters[2 * number + 1] = uvec4(meshletTriangles(meshlet), meshletLod(meshlet), bin, 0);
     triangleCounts[place] = 0;
     masks[place] = uvec4(0);
 }

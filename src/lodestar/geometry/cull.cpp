@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 
+#include <lodestar/geometry/project_params.h>
 #include <lodestar/geometry/frustum.hpp>
 #include <lodestar/scene/scene_bindings.hpp>
 
@@ -25,6 +26,9 @@ constexpr std::uint32_t kClustersCode[] =
     ;
 constexpr std::uint32_t kCompactCode[] =
 #include <lodestar/geometry/compact.comp.inc>
+    ;
+constexpr std::uint32_t kProjectCode[] =
+#include <lodestar/geometry/project.comp.inc>
     ;
 constexpr std::uint32_t kTrianglesCode[] =
 #include <lodestar/geometry/cull_triangles.comp.inc>
@@ -115,13 +119,29 @@ constexpr std::uint64_t at(std::uint32_t list, std::uint64_t which) {
     return offsetof(shared::CullCounts, lists) + list * sizeof(CullList) + which;
 }
 
+gpu::Kernel makeCullTriangles(const gpu::Device& device, bool projected) {
+    return {device,
+            projected ? "cull projected triangles" : "cull triangles",
+            kTrianglesCode,
+            scene::withSceneSlots(slots({{Slot::uniformBuffer, 1},
+                                         {Slot::texelBuffer, 2},
+                                         {Slot::storageBuffer, 3},
+                                         {Slot::texelBuffer, 1}})),
+            sizeof(shared::ProjectParams),
+            {projected}};
+}
+
 }  // namespace
 
 DrawList::DrawList(const gpu::Device& device, const scene::GpuScene& scene, const std::string& name,
-                   scene::TablePart ofTable)
+                   scene::TablePart ofTable, std::uint32_t projects)
     : ids(device, name + ": triangle ids", 4ull * scene.triangleCapacity(), kUint),
       draws(device, name + ": draws", 2 * scene::kDrawBins * sizeof(vk::DrawIndirectCommand)),
       counts(device, name + ": counts", sizeof(shared::CullCounts)),
+      projected(device, name + ": projected vertices",
+                16ull * shared::LS_MESHLET_VERTICES * std::min(scene.clusterCapacity(), projects),
+                vk::Format::eR32G32B32A32Uint),
+      projectedClusters(std::min(scene.clusterCapacity(), projects)),
       params(device, name + ": view", sizeof(shared::CullParams)),
       chunkOffsets(device, name + ": chunk offsets", scanBytes(scene.chunkCount())),
       chunks(device, name + ": visible chunks", 4ull * scene.chunkCount()),
@@ -160,11 +180,11 @@ Cull::Cull(const gpu::Device& device)
       compact(device, "compact clusters", kCompactCode,
               scene::withSceneSlots(slots({{Slot::texelBuffer, 1}, {Slot::storageBuffer, 6}})),
               sizeof(TotalledPhase)),
-      cullTriangles(
-          device, "cull triangles", kTrianglesCode,
-          scene::withSceneSlots(
-              slots({{Slot::uniformBuffer, 1}, {Slot::texelBuffer, 2}, {Slot::storageBuffer, 3}})),
-          sizeof(shared::PhaseParams)),
+      project(device, "project", kProjectCode,
+              scene::withSceneSlots(slots({{Slot::texelBuffer, 1}, {Slot::storageBuffer, 2}})),
+              sizeof(shared::ProjectParams)),
+      cullTriangles(makeCullTriangles(device, false)),
+      cullProjected(makeCullTriangles(device, true)),
       emit(device, "emit", kEmitCode, slots({{Slot::texelBuffer, 1}, {Slot::storageBuffer, 5}}),
            sizeof(TotalledPhase)),
       scanBlocks(device, "scan blocks", kScanBlocksCode, slots({{Slot::storageBuffer, 2}}),
@@ -225,6 +245,9 @@ void Cull::start(gpu::Recorder& rec, const scene::GpuScene& scene, const CullVie
     if (view.size.width == 0 || view.size.height == 0)
         throw std::invalid_argument("CullView::size is 0");
     shared::CullParams params = paramsOf(view, scene, hiz);
+    if (view.samples && list.projectedClusters == 0)
+        throw std::invalid_argument("CullView::samples needs a list with room for vertices");
+    list.samples = view.samples;
     params.listAll = list.part == scene::TablePart::whole;
     if (params.reliefReach > 0 && (params.listAll || !view.perspective))
         throw std::invalid_argument("CullView::wavePx is for a perspective view of the eye");
@@ -319,11 +342,32 @@ void Cull::listTriangles(gpu::Recorder& rec, const scene::GpuScene& scene, DrawL
     const std::uint32_t triangles =
         second ? shared::LS_LIST_TRIANGLES_2 : shared::LS_LIST_TRIANGLES;
     const shared::PhaseParams phase{.phase = number, .table = list.table};
-    rec.dispatchIndirect(
-        cullTriangles, list.counts, at(clusters, kWords),
-        scene::withScene(scene, {list.params, scene.relief.displaced, scene.relief.masks,
-                                 list.counts, list.masks, list.triangleOffsets}),
-        phase);
+    const auto bindings = scene::withScene(
+        scene, {list.params, scene.relief.displaced, scene.relief.masks, list.counts, list.masks,
+                list.triangleOffsets, list.projected});
+    shared::ProjectParams params{.phase = number, .table = list.table};
+    if (!list.samples) {
+        rec.dispatchIndirect(cullTriangles, list.counts, at(clusters, kWords), bindings, params);
+    } else {
+        const SampledPicture& to = *list.samples;
+        params.clipFromWorld = to.clipFromWorld;
+        params.size = {to.size.width, to.size.height};
+        params.firstRow = to.firstRow;
+        params.rows = to.rows;
+        params.capacity = list.projectedClusters;
+        rec.dispatchIndirect(
+            project, list.counts, at(clusters, kWords),
+            scene::withScene(scene,
+                             {scene.meshletVertices, list.counts, list.projected.buffer()}),
+            params);
+        rec.barrier(Stage::compute, Stage::compute);
+        rec.barrier(Stage::compute, Stage::indirect);
+        rec.dispatchIndirect(cullProjected, list.counts, at(clusters, kWords), bindings, params);
+        rec.dispatchIndirect(
+            cullTriangles, list.counts,
+            offsetof(shared::CullCounts, beyond) + number * sizeof(shared::CullBeyond), bindings,
+            params);
+    }
     scan(rec, list.triangleOffsets, list,
          {.source = clusters,
           .result = triangles,

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <lodestar/geometry/hiz.hpp>
@@ -22,6 +23,14 @@ struct LodChoice {
     std::vector<float> distances;  ///< distance: where levels 1, 2, … begin [scene units]; ≤ 8
 };
 
+/// A picture whose samples will be captured in compute (visibility::CaptureCompute), or a band of
+/// its rows.
+struct SampledPicture {
+    glm::mat4 clipFromWorld{1};
+    vk::Extent2D size;  ///< samples of the whole picture
+    std::uint32_t firstRow = 0, rows = 0;
+};
+
 /// A view to cull for.
 struct CullView {
     glm::mat4 clipFromWorld{1};  ///< reversed depth; orthographic or perspective
@@ -34,23 +43,35 @@ struct CullView {
     /// Displaced meshes are refined where a wave of their relief is at least this many pixels long:
     /// Tessellate::record() for the view comes first. 0: not at all.
     float wavePx = 0;
+    /// What the view shows, snapped to its samples: the listed clusters' vertices stay in the list,
+    /// which was made with room for them.
+    std::optional<SampledPicture> samples = {};
 };
 
 /// Which of the draws of a list: those of its first phase, those of its second, or both.
 enum class DrawPhase { both, first, second };
 
+/// What lists for capture in compute have room for: 64 MiB of vertices.
+inline constexpr std::uint32_t kProjectedClusters = 65536;
+
 /// The triangles of one view, ready to draw: their ids in cluster order, and one
 /// indirect draw a phase and bin. Deterministic: the same view gives the same bytes.
 struct DrawList {
     /// A list of TablePart::whole names clusters by numbers that no view changes: what is to be
-    /// kept.
+    /// kept. `projects`: how many clusters at most there is room to project the vertices of.
     DrawList(const gpu::Device&, const scene::GpuScene&, const std::string& name,
-             scene::TablePart = scene::TablePart::eye);
+             scene::TablePart = scene::TablePart::eye, std::uint32_t projects = 0);
 
     gpu::TexelBuffer ids;  ///< cluster << 7 | meshlet triangle; clusters of GpuScene::clusters
     gpu::Buffer draws;     ///< vk::DrawIndirectCommand for each scene::DrawBin: those of the first
                            ///< phase, then those of the second
     gpu::Buffer counts;    ///< shared::CullCounts
+
+    /// Of the first clusters, for CullView::samples: 64 words of RGBA32_UINT a cluster, one a
+    /// vertex (project.comp).
+    gpu::TexelBuffer projected;
+    std::uint32_t projectedClusters;  ///< at most
+    std::optional<SampledPicture> samples;  ///< what they were projected for
 
     // What the passes hand on.
     gpu::Buffer params;                            ///< shared::CullParams
@@ -92,7 +113,8 @@ private:
     void scan(gpu::Recorder&, const gpu::Buffer& values, const DrawList&,
               const shared::ScanParams&) const;
 
-    gpu::Kernel cullChunks, listChunks, cullInstances, cullClusters, compact, cullTriangles, emit;
+    gpu::Kernel cullChunks, listChunks, cullInstances, cullClusters, compact, project, cullTriangles,
+        cullProjected, emit;
     gpu::Kernel scanBlocks, scanTotals;
     gpu::TexelBuffer noPyramid;
 };

@@ -67,6 +67,11 @@ const uint LS_LIST_CLUSTERS_2 = 6;
 const uint LS_LIST_TRIANGLES_2 = 7;
 const uint LS_LISTS = 8;
 
+/// A dispatch over the clusters of a phase that there was no room to project.
+struct CullBeyond {
+    uint groups[3];
+};
+
 /// What the CPU never sees within a frame.
 struct CullCounts {
     CullList lists[LS_LISTS];
@@ -74,6 +79,7 @@ struct CullCounts {
     uint instancesHidden;  // by what the last frame showed: looked at again in the second phase
     uint instancesFound;   // of these, by the second phase
     uint clustersHidden;
+    CullBeyond beyond[2];
 };
 
 struct ScanParams {
@@ -124,6 +130,6 @@ LS_NAMESPACE_END
 #ifdef __cplusplus
 static_assert(sizeof(lodestar::shared::CullParams) == 448);
 static_assert(sizeof(lodestar::shared::CullList) == 48);
-static_assert(sizeof(lodestar::shared::CullCounts) == 400);
+static_assert(sizeof(lodestar::shared::CullCounts) == 424);
 #endif
 #endif

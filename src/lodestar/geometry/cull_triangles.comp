@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
-#include "../scene/scene.glsl"
 #include "cull_params.h"
+#include "project.glsl"
 
 // One thread 32 triangles of a visible cluster: which of them can cover a pixel centre? The rasteriser
 // would drop the others too, but one at a time. What the triangles share is fetched once.
 layout(local_size_x = LS_SPAN) in;
+layout(constant_id = 0) const uint kProjected = 0;  // whether vertices have been: project.comp
 
 layout(binding = 6, scalar) uniform Params { CullParams params; };
 layout(binding = 7) uniform usamplerBuffer displaced;
@@ -13,7 +14,8 @@ layout(binding = 8) uniform usamplerBuffer refinedMasks;
 layout(binding = 9, scalar) readonly buffer Counts { CullCounts counts; };
 layout(binding = 10, scalar) buffer Masks { uint masks[]; };  // four words a cluster
 layout(binding = 11, scalar) buffer Triangles { uint triangleCounts[]; };
-layout(push_constant, scalar) uniform Push { PhaseParams push; };
+layout(binding = 12) uniform usamplerBuffer projected;
+layout(push_constant, scalar) uniform Push { ProjectParams push; };
 
 // Rasterisers snap vertices to a grid of at least 1/16 pixel (commonly 1/256); what is decided here
 // must hold wherever the vertices are snapped to.
@@ -40,6 +42,22 @@ bool canCoverAPixel(vec4 a, vec4 b, vec4 c, bool doubleSided) {
     return doubleSided || area < kSnap * (reach + kSnap);
 }
 
+/// The same of projected vertices, in the samples that will be asked.
+bool canCoverASample(uvec4 a, uvec4 b, uvec4 c) {
+    const uint any = a.w | b.w | c.w;
+    if ((any & LS_PROJECTED_CLIP) != 0) return (a.w & b.w & c.w & LS_PROJECTED_OUTSIDE) == 0;
+    const ivec2 p = ivec2(a.xy), q = ivec2(b.xy), r = ivec2(c.xy);
+    const ivec2 low = min(p, min(q, r)), high = max(p, max(q, r));
+    const int half_ = int(LS_PROJECTED_STEPS / 2);
+    const ivec2 first = max((low + (half_ - 1)) >> 8, ivec2(0, push.firstRow));
+    const ivec2 last = min((high - half_) >> 8, ivec2(push.size.x, push.firstRow + push.rows) - 1);
+    const vec2 u = vec2(q - p), v = vec2(r - p);
+    const float one = u.x * v.y, other = u.y * v.x;
+    const float area = (any & LS_PROJECTED_REFLECTED) != 0 ? other - one : one - other;
+    const bool front = area < (abs(one) + abs(other)) * 1e-6 || (any & LS_PROJECTED_DOUBLE_SIDED) != 0;
+    return front && all(lessThanEqual(first, last));
+}
+
 /// Those of the cluster's triangles in a word that refined meshlets stand for.
 uint replaced(GpuCluster cluster, GpuInstance instance, uint word) {
     if (instance.displaced == 0 || cluster.lod != 0 || params.reliefReach == 0) return 0;
@@ -48,11 +66,15 @@ uint replaced(GpuCluster cluster, GpuInstance instance, uint word) {
 }
 
 void main() {
-    const uvec2 item = clusterAndWord(gl_WorkGroupID, gl_NumWorkGroups, gl_LocalInvocationID.x);
+    uvec2 item = clusterAndWord(gl_WorkGroupID, gl_NumWorkGroups, gl_LocalInvocationID.x);
     const bool second = push.phase == 1;
-    if (item.x >= counts.lists[second ? LS_LIST_CLUSTERS_2 : LS_LIST_CLUSTERS].count) return;
-    const GpuCluster cluster =
-        loadCluster(push.table + item.x + (second ? counts.lists[LS_LIST_CLUSTERS].count : 0));
+    const uint before = second ? counts.lists[LS_LIST_CLUSTERS].count : 0;
+    if (kProjected == 0) item.x += push.capacity - min(before, push.capacity);
+    const uint slot = before + item.x;
+    if (item.x >= counts.lists[second ? LS_LIST_CLUSTERS_2 : LS_LIST_CLUSTERS].count ||
+        (kProjected != 0 && slot >= push.capacity))
+        return;
+    const GpuCluster cluster = loadCluster(push.table + slot);
     const GpuInstance instance = loadInstance(cluster.instance);
     const mat4 clipFromObject =
         params.clipFromWorld *
@@ -60,14 +82,22 @@ void main() {
     const bool doubleSided = (cluster.bin & 1) != 0;  // of scene::DrawBin
     const bool reflected = (instance.flags & LS_INSTANCE_REFLECTED) != 0;
     const uint first = 32 * item.y, end = min(first + 32, cluster.triangleCount);
+    const int place = int(slot * LS_MESHLET_VERTICES);
     uint mask = 0;
     for (uint i = first; i < end; ++i) {
         const GpuTriangle t = loadStoredTriangle(cluster.triangles + i);
-        const vec4 a = clipFromObject * vec4(loadVertex(t.a).position, 1);
-        const vec4 b = clipFromObject * vec4(loadVertex(t.b).position, 1);
-        const vec4 c = clipFromObject * vec4(loadVertex(t.c).position, 1);
-        const bool drawn = params.mode == LS_CULL_NONE ||
-                           canCoverAPixel(a, reflected ? c : b, reflected ? b : c, doubleSided);
+        bool drawn = params.mode == LS_CULL_NONE;
+        if (kProjected != 0) {
+            const ivec3 own = place + ivec3(uvec3(t.own, t.own >> 8, t.own >> 16) & 255u);
+            drawn = drawn || canCoverASample(texelFetch(projected, own.x),
+                                             texelFetch(projected, own.y),
+                                             texelFetch(projected, own.z));
+        } else {
+            const vec4 a = clipFromObject * vec4(loadVertex(t.a).position, 1);
+            const vec4 b = clipFromObject * vec4(loadVertex(t.b).position, 1);
+            const vec4 c = clipFromObject * vec4(loadVertex(t.c).position, 1);
+            drawn = drawn || canCoverAPixel(a, reflected ? c : b, reflected ? b : c, doubleSided);
+        }
         mask |= uint(drawn) << (i - first);
     }
     if (mask != 0) mask &= ~replaced(cluster, instance, item.y);

@@ -71,6 +71,7 @@ void Tessellate::record(gpu::Recorder& rec, const scene::GpuScene& scene,
                                .firstVertex = relief.firstVertex,
                                .firstTriangle = relief.firstTriangle,
                                .firstMeshlet = relief.firstMeshlet,
+                               .firstListed = relief.firstListed,
                                .secondUvs = scene.features().secondUvs};
     std::copy(planes.begin(), planes.end(), p.planes);
     rec.barrier(Stage::compute, Stage::transfer);

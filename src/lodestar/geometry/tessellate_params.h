@@ -14,7 +14,8 @@ struct TessellateParams {
     uint capacity;   // triangles that can be refined
     uint total;      // where the number of all stands in the scanned counts
     uint firstVertex, firstTriangle, firstMeshlet;
-    uint secondUvs;  // whether there are any
+    uint firstListed;  // place in GpuScene::meshletVertices
+    uint secondUvs;    // whether there are any
 };
 
 // Reaches that are tried, each 1/√2 of the one before, until what is within has a place.

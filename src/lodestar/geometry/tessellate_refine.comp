@@ -112,10 +112,11 @@ void main() {
         above -= above * above > thread ? 1 : 0;
         const uint k = thread - above * above, m = k / 2;
         const bool up = (k & 1) == 0;
+        const uint first = vertexAt(above, m);
         const uint second = vertexAt(above + 1, up ? m : m + 1);
         const uint third = up ? vertexAt(above + 1, m + 1) : vertexAt(above, m + 1);
         triangles[firstTriangle + thread] =
-            uvec4(firstVertex + uvec3(vertexAt(above, m), second, third), 0);
+            uvec4(firstVertex + uvec3(first, second, third), first | second << 8 | third << 16);
     }
 
     if (thread == 0) {
@@ -126,6 +127,9 @@ void main() {
         const uint at = 3 * (params.firstMeshlet + place);
         meshlets[at] = uvec4(floatBitsToUint(vec4(centre, reach * 1.00001 + amplitude)));
         meshlets[at + 1] = uvec4(floatBitsToUint(vec4(0, 0, 1, 1)));  // no cone
-        meshlets[at + 2] = uvec4(firstTriangle, side * side, meshlet.material, LS_LOD_REFINED);
+        meshlets[at + 2] = 
+            uvec4(firstTriangle, params.firstListed + place * LS_TESS_VERTICES, meshlet.material,
+                  side * side | vertexAt(side + 1, 0) << LS_MESHLET_VERTICES_SHIFT |
+                      LS_LOD_REFINED << LS_MESHLET_LOD_SHIFT);
     }
 }

@@ -38,7 +38,7 @@ void main() {
     uint count = 0;
     uint within[LS_TESS_REACHES];
     for (uint k = 0; k < LS_TESS_REACHES; ++k) within[k] = 0;
-    for (uint i = 0; i < (near ? meshlet.triangleCount : 0); ++i) {
+    for (uint i = 0; i < (near ? meshletTriangles(meshlet) : 0); ++i) {
         const GpuTriangle t = loadStoredTriangle(meshlet.triangles + i);
         const vec3 a = loadVertex(t.a).position, b = loadVertex(t.b).position,
                    c = loadVertex(t.c).position;

@@ -18,7 +18,7 @@ void main() {
     const uint index = group * 64 + gl_LocalInvocationID.x;
     if (index >= params.meshletCount) return;
     const uint meshlet = params.firstMeshlet + index;
-    const uint first = meshlets[meshlet].triangles, count = meshlets[meshlet].triangleCount;
+    const uint first = meshlets[meshlet].triangles, count = meshlets[meshlet].counts & 255u;
     vec3 lower = vec3(1e30), upper = vec3(-1e30);
     for (uint i = 0; i < count; ++i) {
         const uvec4 t = texelFetch(triangles, int(first + i));

@@ -31,6 +31,7 @@ struct GpuScene::Packed {
     std::vector<glm::vec2> secondUvs;
     std::vector<GpuTriangle> triangles;
     std::vector<GpuMeshlet> meshlets;
+    std::vector<std::uint32_t> meshletVertices;
     std::vector<GpuMesh> meshes;
     std::vector<GpuLod> lods;
     std::vector<GpuCluster> clusters;  // all at the finest level, after the unused one
@@ -153,15 +154,19 @@ void GpuScene::Packed::add(const Mesh& mesh, const Material& material, const Mes
                                 .coneAxis = m.coneAxis,
                                 .coneCutoff = material.doubleSided ? 1.0f : m.coneCutoff,
                                 .triangles = number(triangles.size()),
-                                .triangleCount = m.triangleCount,
+                                .vertices = number(meshletVertices.size()),
                                 .material = mesh.material,
-                                .lod = number(level)});
+                                .counts = m.triangleCount |
+                                          m.vertexCount << shared::LS_MESHLET_VERTICES_SHIFT |
+                                          number(level) << shared::LS_MESHLET_LOD_SHIFT});
             const std::uint32_t* local = &set.vertices[m.vertexOffset];
+            for (std::uint32_t i = 0; i < m.vertexCount; ++i)
+                meshletVertices.push_back(firstVertex + local[i]);
             for (std::uint32_t i = 0; i < m.triangleCount; ++i) {
                 const std::uint32_t t = set.triangles[m.triangleOffset + i];
                 triangles.push_back({firstVertex + local[t & 255],
                                      firstVertex + local[t >> 8 & 255],
-                                     firstVertex + local[t >> 16 & 255], 0});
+                                     firstVertex + local[t >> 16 & 255], t});
             }
         }
     }
@@ -222,7 +227,7 @@ void GpuScene::Packed::arrange(const Scene& scene) {
                                 .meshlet = m,
                                 .triangles = meshlets[m].triangles,
                                 .material = meshlets[m].material,
-                                .triangleCount = meshlets[m].triangleCount,
+                                .triangleCount = meshletTriangles(meshlets[m]),
                                 .bin = mesh.bin});
         }
         for (std::size_t later = mesh.bin + 1; later <= kDrawBins; ++later)
@@ -233,6 +238,8 @@ void GpuScene::Packed::arrange(const Scene& scene) {
 /// Room for what displaced meshes are refined to, after everything that stays.
 void GpuScene::Packed::makePlaces() {
     const std::size_t places = displaced.places;
+    for (std::size_t i = 0; i < places * shared::LS_TESS_VERTICES; ++i)
+        meshletVertices.push_back(static_cast<std::uint32_t>(vertices.size() + i));
     vertices.resize(vertices.size() + places * shared::LS_TESS_VERTICES);
     attributes.resize(vertices.size());
     secondUvs.resize(vertices.size());
@@ -243,7 +250,7 @@ void GpuScene::Packed::makePlaces() {
 namespace {
 
 Relief makeRelief(const gpu::Device& device, const DisplacedMeshes& of, std::size_t vertices,
-                  std::size_t triangles, std::size_t meshlets) {
+                  std::size_t triangles, std::size_t meshlets, std::size_t listed) {
     const auto places = static_cast<std::uint32_t>(of.places);
     constexpr auto kPair = vk::Format::eR32G32Uint;
     return {
@@ -258,6 +265,7 @@ Relief makeRelief(const gpu::Device& device, const DisplacedMeshes& of, std::siz
         .firstVertex = static_cast<std::uint32_t>(vertices) - places * shared::LS_TESS_VERTICES,
         .firstTriangle = static_cast<std::uint32_t>(triangles) - places * shared::LS_TESS_TRIANGLES,
         .firstMeshlet = static_cast<std::uint32_t>(meshlets) - places,
+        .firstListed = static_cast<std::uint32_t>(listed) - places * shared::LS_TESS_VERTICES,
         .capacity = places};
 }
 
@@ -303,11 +311,13 @@ GpuScene::GpuScene(const gpu::Device& device, const Scene& scene, Packed&& packe
       meshes(gpu::makeTexelBuffer(device, "meshes", packed.meshes, kWords)),
       lods(gpu::makeTexelBuffer(device, "levels of detail", packed.lods, kWords)),
       chunks(device, "chunks", packed.chunkSpans.size() * sizeof(GpuChunk), kWords),
+      meshletVertices(gpu::makeTexelBuffer(device, "meshlet vertices", packed.meshletVertices,
+                                           vk::Format::eR32Uint)),
       drawOrder(gpu::makeTexelBuffer(device, "draw order", packed.order, vk::Format::eR32Uint)),
       clusters(device, "visible clusters",
                3 * sizeof(GpuCluster) * (packed.clusters.size() + packed.displaced.places), kWords),
       relief(makeRelief(device, packed.displaced, packed.vertices.size(), packed.triangles.size(),
-                        packed.meshlets.size())),
+                        packed.meshlets.size(), packed.meshletVertices.size())),
       secondUvs(
           gpu::makeTexelBuffer(device, "second uvs", packed.secondUvs, vk::Format::eR32G32Sfloat)),
       lights(device, "lights", scene.lights.size() * sizeof(GpuLight)),

@@ -53,7 +53,7 @@ struct Relief {
     gpu::TexelBuffer refined;    ///< GpuRefined for each of `displaced`
     gpu::TexelBuffer masks;      ///< of each pair: its triangles that others stand for, 4 words
     std::uint32_t instances = 0, pairCount = 0;  ///< pairs with the unused one
-    std::uint32_t firstVertex = 0, firstTriangle = 0, firstMeshlet = 0;
+    std::uint32_t firstVertex = 0, firstTriangle = 0, firstMeshlet = 0, firstListed = 0;
     std::uint32_t capacity = 0;  ///< triangles that can be refined at a time
 };
 
@@ -105,6 +105,7 @@ public:
 
     gpu::TexelBuffer vertices, attributes, triangles, meshlets, instances, materials, meshes, lods,
         chunks;                  ///< the records of gpu_types.h
+    gpu::TexelBuffer meshletVertices;  ///< numbers of the vertices of each meshlet
     gpu::TexelBuffer drawOrder;  ///< numbers of the instances, those of a chunk together
     /// What ids name: GpuCluster records, the parts of TablePart one after another. Those of the
     /// eye and of lights are written on the device by geometry::Cull for each view, so whoever

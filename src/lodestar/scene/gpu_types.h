@@ -29,7 +29,7 @@ struct GpuVertexAttributes {
 /// Vertices of one stored triangle, in the order of the mesh.
 struct GpuTriangle {
     uint a, b, c;
-    uint unused;
+    uint own;  // the same as numbers within its meshlet: a | b << 8 | c << 16
 };
 
 struct GpuMeshlet {
@@ -38,10 +38,15 @@ struct GpuMeshlet {
     vec3 coneAxis;
     float coneCutoff;
     uint triangles;  // first of its GpuTriangles
-    uint triangleCount;
+    uint vertices;   // first of its vertices' numbers
     uint material;
-    uint lod;  // of its mesh, 0 = finest
+    uint counts;  // LS_MESHLET_*
 };
+
+// GpuMeshlet::counts: triangles | vertices << 8 | level of its mesh << 16, 0 = finest.
+const uint LS_MESHLET_VERTICES = 64u;  // at most
+const uint LS_MESHLET_VERTICES_SHIFT = 8u;
+const uint LS_MESHLET_LOD_SHIFT = 16u;
 
 const uint LS_MAX_LODS = 15u;
 
@@ -170,6 +175,13 @@ struct GpuLight {
     vec3 direction;               // the way it shines, world
     float coneScale, coneOffset;  // spot: clamp(cos·scale + offset, 0, 1)²
 };
+
+#ifdef __cplusplus
+inline uint meshletTriangles(const GpuMeshlet& meshlet) { return meshlet.counts & 255u; }
+#else
+uint meshletTriangles(GpuMeshlet meshlet) { return meshlet.counts & 255u; }
+uint meshletLod(GpuMeshlet meshlet) { return meshlet.counts >> LS_MESHLET_LOD_SHIFT; }
+#endif
 
 LS_NAMESPACE_END
 

@@ -38,28 +38,29 @@ void clipBy(int plane) {
 void main() {
     const bool missing = counts.clipped > LS_CAPTURE_CLIPPED;
     const uint count = missing ? counts.count : counts.clipped;
-    for (uint at = gl_GlobalInvocationID.x; at < count; at += LS_CAPTURE_GROUP * LS_CAPTURE_LOOPS) {
+    for (uint at = gl_GlobalInvocationID.x; at < count;
+         at += LS_CAPTURE_GROUP * gl_NumWorkGroups.x) {
         const uint id = missing ? texelFetch(listedIds, int(counts.first + at)).x : clipped[at];
         const GpuCluster cluster = loadCluster(id >> LS_TRIANGLE_BITS);
         const GpuInstance instance = loadInstance(cluster.instance);
         for (uint i = 0; i < 3; ++i) {
             const uint vertex = cornerVertex(cluster, instance, id, i);
-            precise const vec4 p = params.clipFromWorld *
-                                   vec4(transformPoint(instance, loadVertex(vertex).position), 1);
-            polygon[i] = p;
+            polygon[i] = clipOf(params.clipFromWorld, instance, vertex);
         }
-        corners = mustClip(polygon[0], polygon[1], polygon[2]) ? 3 : 0;
+        corners = 
+            inReach(polygon[0]) && inReach(polygon[1]) && inReach(polygon[2]) ? 0 : 3;
         for (int plane = 0; plane < 5; ++plane) clipBy(plane);
         for (int i = 1; i + 1 < corners; ++i) {
             const vec4 a = polygon[0], b = polygon[i], c = polygon[i + 1];
-            CaptureLarge t = CaptureLarge(snapped(a), snapped(b), snapped(c),
-                                          vec3(a.z / a.w, b.z / b.w, c.z / c.w), id);
-            const bool front = makeFront(t);
-            const ivec4 box = boxOf(t);
+            Corners t = Corners(snappedTo(a, params.size), snappedTo(b, params.size),
+                                snappedTo(c, params.size), vec3(a.z / a.w, b.z / b.w, c.z / c.w), id);
+            const bool front = makeFront(t, (cluster.bin & 1) != 0);  // of scene::DrawBin
+            const ivec4 box = boxOf(t.v0, t.v1, t.v2);
             if (!front || any(greaterThan(box.xy, box.zw))) continue;
-            if (!queueLarge(t)) {
+            const Setup s = makeSetup(t);
+            if (!queueLarge(s)) {
                 loadMasked(id);
-                rasteriseAll(t, true);
+                rasteriseAll(s, true);
             }
         }
     }

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <lodestar/visibility/capture_compute.hpp>
 
+#include <cstddef>
+
 #include <lodestar/scene/scene_bindings.hpp>
 #include <lodestar/visibility/capture_ss.hpp>
 
@@ -31,6 +33,13 @@ using gpu::Stage;
 
 constexpr std::uint32_t kSmallSamples = 256;
 
+/// Tiles of a band, whatever its shape.
+std::uint64_t tilesOf(std::uint64_t samples) {
+    constexpr std::uint64_t kSide = 16384;
+    return samples / (shared::LS_CAPTURE_TILE_WIDTH * shared::LS_CAPTURE_TILE_HEIGHT) +
+           2 * kSide / shared::LS_CAPTURE_TILE_WIDTH + kSide / shared::LS_CAPTURE_TILE_HEIGHT + 2;
+}
+
 const gpu::Device& checked(const gpu::Device& device) {
     if (!device.hasInt64Atomics())
         throw gpu::DeviceError(device.description().name +
@@ -42,48 +51,45 @@ const gpu::Device& checked(const gpu::Device& device) {
 
 CaptureCompute::Queue CaptureCompute::makeQueue(const gpu::Device& device,
                                                 const scene::SceneFeatures& f, bool masked) {
-    const auto kernel = [&](const char* name, std::span<const std::uint32_t> code) {
+    const auto kernel = [&](const char* name, std::span<const std::uint32_t> code,
+                            bool projected = true) {
+        std::vector<gpu::SlotArray> slots{
+            Slot::texelBuffer, {Slot::sampledImage, shared::LS_TEXTURE_ARRAYS}};
+        slots.insert(slots.end(), 6, Slot::texelBuffer);
+        slots.insert(slots.end(), 7, Slot::storageBuffer);
         return gpu::Kernel(device, std::string("capture: ") + name + (masked ? ", masked" : ""),
-                           code,
-                           scene::withSceneSlots({Slot::storageBuffer,
-                                                  Slot::storageBuffer,
-                                                  Slot::storageBuffer,
-                                                  Slot::storageBuffer,
-                                                  Slot::texelBuffer,
-                                                  {Slot::sampledImage, shared::LS_TEXTURE_ARRAYS},
-                                                  Slot::texelBuffer,
-                                                  Slot::storageBuffer,
-                                                  Slot::texelBuffer}),
-                           sizeof(shared::CaptureComputeParams),
-                           {f.uvTransforms, masked, f.baseColorArrays, kSmallSamples});
+                           code, scene::withSceneSlots(slots), sizeof(shared::CaptureComputeParams),
+                           {f.uvTransforms, masked, f.baseColorArrays, kSmallSamples, projected});
     };
-    return {kernel("small triangles", kSmallCode), kernel("clip", kClipCode),
-            kernel("split", kSplitCode), kernel("tiles", kTileCode)};
+    return {kernel("small triangles", kSmallCode), kernel("unprojected triangles", kSmallCode, false),
+            kernel("clip", kClipCode), kernel("split", kSplitCode), kernel("tiles", kTileCode)};
 }
 
 CaptureCompute::CaptureCompute(const gpu::Device& device, const scene::SceneFeatures& features)
     : sampler(makeTextureSampler(checked(device))),
-      args(device, "capture: args", kArgsCode,
-           {Slot::storageBuffer, Slot::storageBuffer, Slot::storageBuffer}, sizeof(std::uint32_t)),
+      args(device, "capture: args", kArgsCode, std::vector<gpu::SlotArray>(4, Slot::storageBuffer),
+           sizeof(shared::CaptureArgsParams)),
       ids(device, "capture: ids", kIdsCode, {Slot::texelBuffer, Slot::storageImage},
           sizeof(glm::uvec2)),
       opaque(makeQueue(device, features, false)),
       masked(makeQueue(device, features, true)) {}
 
-std::uint64_t CaptureCompute::Scratch::fixedBytes(const scene::GpuScene&) {
-    return sizeof(shared::CaptureLarge) * std::uint64_t{shared::LS_CAPTURE_LARGE} +
-           8ull * shared::LS_CAPTURE_JOBS + 4ull * shared::LS_CAPTURE_CLIPPED +
-           2 * sizeof(shared::CaptureQueueCounts);
+std::uint64_t CaptureCompute::Scratch::fixedBytes() {
+    return 48ull * shared::LS_CAPTURE_LARGE + 8ull * shared::LS_CAPTURE_JOBS +
+           4ull * shared::LS_CAPTURE_CLIPPED + 2 * sizeof(shared::CaptureQueueCounts) +
+           8 * tilesOf(0);
 }
 
-CaptureCompute::Scratch::Scratch(const gpu::Device& device, const scene::GpuScene&,
-                                 std::uint64_t samples)
+CaptureCompute::Scratch::Scratch(const gpu::Device& device, std::uint64_t samples)
     : words(device, "capture: samples", 8 * samples, vk::Format::eR32G32Uint),
+      large(device, "capture: large triangles", 48ull * shared::LS_CAPTURE_LARGE,
+            vk::Format::eR32G32B32A32Uint),
+      jobs(device, "capture: triangles in tiles", 8ull * shared::LS_CAPTURE_JOBS,
+           vk::Format::eR32G32Uint),
       opaqueCounts(device, "capture: counts", sizeof(shared::CaptureQueueCounts)),
       maskedCounts(device, "capture: counts", sizeof(shared::CaptureQueueCounts)),
-      large(device, "capture: large triangles",
-            sizeof(shared::CaptureLarge) * std::uint64_t{shared::LS_CAPTURE_LARGE}),
-      jobs(device, "capture: tiles", 8ull * shared::LS_CAPTURE_JOBS),
+      heads(device, "capture: tiles", 4 * tilesOf(samples)),
+      touched(device, "capture: touched tiles", 4 * tilesOf(samples)),
       clipped(device, "capture: triangles to clip", 4ull * shared::LS_CAPTURE_CLIPPED) {}
 
 bool CaptureCompute::fits(const gpu::Device& device, vk::Extent2D samples) {
@@ -94,27 +100,31 @@ bool CaptureCompute::fits(const gpu::Device& device, vk::Extent2D samples) {
 }
 
 void CaptureCompute::record(gpu::Recorder& rec, const scene::GpuScene& scene,
-                            const geometry::DrawList& list, const glm::mat4& clipFromWorld,
-                            const Grid& grid, const Scratch& scratch,
+                            const geometry::DrawList& list, const geometry::SampledPicture& picture,
+                            const Scratch& scratch, const std::string& name,
                             geometry::DrawPhase phase) const {
     using geometry::DrawPhase;
-    const std::uint32_t rows = grid.rows == 0 ? grid.gridC.height : grid.rows;
-    if (grid.gridC.width == 0 || rows == 0 || grid.gridC.width > 16384 ||
-        grid.gridC.height > 16384 || grid.firstRow + rows > grid.gridC.height)
-        throw std::invalid_argument("CaptureCompute::record: gridC");
-    if (scratch.words.buffer().bytes() < 8ull * grid.gridC.width * rows)
+    const vk::Extent2D size = picture.size;
+    if (size.width == 0 || picture.rows == 0 || size.width > 16384 || size.height > 16384 ||
+        picture.firstRow + picture.rows > size.height)
+        throw std::invalid_argument("CaptureCompute::record: picture");
+    if (scratch.words.buffer().bytes() < 8ull * size.width * picture.rows)
         throw std::invalid_argument("CaptureCompute::record: scratch is for smaller bands");
-    const auto pass = rec.pass(grid.name);
-    const shared::CaptureComputeParams params{.clipFromWorld = clipFromWorld,
-                                              .size = {grid.gridC.width, grid.gridC.height},
-                                              .firstRow = grid.firstRow,
-                                              .rows = rows};
+    const auto pass = rec.pass(name);
+    const bool projected = list.samples && list.samples->size == size &&
+                           list.samples->clipFromWorld == picture.clipFromWorld;
+    const shared::CaptureComputeParams params{.clipFromWorld = picture.clipFromWorld,
+                                              .size = {size.width, size.height},
+                                              .firstRow = picture.firstRow,
+                                              .rows = picture.rows,
+                                              .table = list.table,
+                                              .capacity = projected ? list.projectedClusters : 0};
     if (phase != DrawPhase::second) {
         rec.fill(scratch.words.buffer(), 0);
-        rec.barrier(Stage::transfer, Stage::compute);
         recordPhase(rec, scene, list, params, scratch, 0);
     }
     if (phase != DrawPhase::first) recordPhase(rec, scene, list, params, scratch, 1);
+    rec.barrier(Stage::transfer, Stage::compute);  // a scene of nothing has no more
 }
 
 void CaptureCompute::recordPhase(gpu::Recorder& rec, const scene::GpuScene& scene,
@@ -122,32 +132,42 @@ void CaptureCompute::recordPhase(gpu::Recorder& rec, const scene::GpuScene& scen
                                  const shared::CaptureComputeParams& params, const Scratch& scratch,
                                  std::uint32_t phase) const {
     const auto firstDraw = static_cast<std::uint32_t>(phase * scene::kDrawBins);
-    rec.dispatch(args, {1, 1, 1}, {list.draws, scratch.opaqueCounts, scratch.maskedCounts},
-                 firstDraw);
-    rec.barrier(Stage::compute, Stage::compute);
+    rec.barrier(Stage::indirect, Stage::compute);  // the phase before
+    rec.dispatch(args, {1, 1, 1},
+                 {list.draws, scratch.opaqueCounts, scratch.maskedCounts, list.counts},
+                 shared::CaptureArgsParams{firstDraw, params.capacity});
     rec.barrier(Stage::compute, Stage::indirect);
-    const auto run = [&](const Queue& queue, const gpu::Buffer& counts) {
-        const auto bindings = scene::withScene(scene, {scratch.words.buffer(),
-                                                       counts,
-                                                       scratch.large,
-                                                       scratch.jobs,
-                                                       scene.materials,
-                                                       {scene.textureViews(), sampler},
-                                                       scene.secondUvs,
-                                                       scratch.clipped,
-                                                       list.ids});
-        constexpr vk::Extent3D kShared{shared::LS_CAPTURE_LOOPS, 1, 1};
-        rec.dispatchIndirect(queue.small, counts, bindings, params);
-        for (const gpu::Kernel* next : {&queue.clip, &queue.split, &queue.tile}) {
-            rec.barrier(Stage::compute, Stage::compute);
-            rec.dispatch(*next, kShared, bindings, params);
-        }
-        rec.barrier(Stage::compute, Stage::compute);
-    };
     const auto& bins = scene.binStarts();
-    if (bins[0] != bins[2]) run(opaque, scratch.opaqueCounts);
-    if (bins[2] != bins[4]) run(masked, scratch.maskedCounts);
-    rec.barrier(Stage::indirect, Stage::compute);  // the next phase counts anew
+    if (bins[0] != bins[2])
+        recordQueue(rec, scene, list, params, scratch, opaque, scratch.opaqueCounts);
+    if (bins[2] != bins[4])
+        recordQueue(rec, scene, list, params, scratch, masked, scratch.maskedCounts);
+}
+
+void CaptureCompute::recordQueue(gpu::Recorder& rec, const scene::GpuScene& scene,
+                                 const geometry::DrawList& list,
+                                 const shared::CaptureComputeParams& params, const Scratch& scratch,
+                                 const Queue& queue, const gpu::Buffer& counts) const {
+    using Counts = shared::CaptureQueueCounts;
+    const auto bindings = scene::withScene(
+        scene, {scene.materials, {scene.textureViews(), sampler}, scene.secondUvs, list.ids,
+                list.projected, scratch.words, scratch.large, scratch.jobs, scratch.words.buffer(),
+                counts, scratch.large.buffer(), scratch.jobs.buffer(), scratch.heads,
+                scratch.touched, scratch.clipped});
+    rec.barrier(Stage::compute, Stage::transfer);
+    rec.fill(scratch.heads, 0);
+    rec.barrier(Stage::transfer, Stage::compute);
+    rec.barrier(Stage::compute, Stage::compute);
+    rec.dispatchIndirect(queue.small, counts, offsetof(Counts, groups), bindings, params);
+    rec.dispatchIndirect(queue.slow, counts, offsetof(Counts, slowGroups), bindings, params);
+    for (const auto& [kernel, groups] : {std::pair{&queue.clip, offsetof(Counts, clipGroups)},
+                                         {&queue.split, offsetof(Counts, splitGroups)},
+                                         {&queue.tile, offsetof(Counts, tileGroups)}}) {
+        rec.barrier(Stage::compute, Stage::compute);
+        rec.barrier(Stage::compute, Stage::indirect);
+        rec.dispatchIndirect(*kernel, counts, groups, bindings, params);
+    }
+    rec.barrier(Stage::compute, Stage::compute);
 }
 
 void CaptureCompute::recordIds(gpu::Recorder& rec, const Scratch& scratch, gpu::View view) const {

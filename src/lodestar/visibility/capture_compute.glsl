@@ -5,9 +5,10 @@
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #extension GL_EXT_shader_atomic_int64 : require
 #include "triangle.glsl"
+#include "../geometry/project.glsl"
 #include "capture_compute_params.h"
-#define LS_MATERIAL_BINDING 10
-#define LS_TEXTURE_BINDING 11
+#define LS_MATERIAL_BINDING 6
+#define LS_TEXTURE_BINDING 7
 #include "../scene/material.glsl"
 
 layout(local_size_x = LS_CAPTURE_GROUP) in;
@@ -15,42 +16,44 @@ layout(local_size_x = LS_CAPTURE_GROUP) in;
 layout(constant_id = 1) const uint kMasked = 0;  // the queue of alpha-masked triangles
 layout(constant_id = 2) const uint kBaseColorArrays = 255;
 
-layout(binding = 6, scalar) buffer Words { uint64_t words[]; };  // depth << 32 | id
-layout(binding = 7, scalar) buffer Counts { CaptureQueueCounts counts; };
-layout(binding = 8, scalar) buffer Large { CaptureLarge large[]; };
-layout(binding = 9, scalar) buffer Jobs { uvec2 jobs[]; };  // large triangle; tile x | y << 16
-layout(binding = 12) uniform samplerBuffer secondUvs;
+layout(binding = 8) uniform samplerBuffer secondUvs;
 #include "alpha.glsl"
-layout(binding = 13, scalar) buffer Clipped { uint clipped[]; };  // listed triangles to clip
-layout(binding = 14) uniform usamplerBuffer listedIds;
+layout(binding = 9) uniform usamplerBuffer listedIds;
+layout(binding = 10) uniform usamplerBuffer projected;
+// What one pass writes another fetches.
+layout(binding = 11) uniform usamplerBuffer wordTexels;
+layout(binding = 12) uniform usamplerBuffer largeTexels;
+layout(binding = 13) uniform usamplerBuffer jobTexels;
+layout(binding = 14, scalar) buffer Words { uint64_t words[]; };  // depth << 32 | id
+layout(binding = 15, scalar) buffer Counts { CaptureQueueCounts counts; };
+layout(binding = 16, scalar) writeonly buffer Large { uvec4 large[]; };  // three a triangle
+layout(binding = 17, scalar) writeonly buffer Jobs { uvec2 jobs[]; };  // large triangle, next job
+layout(binding = 18, scalar) buffer Heads { uint heads[]; };  // first job of a tile, from 1 on
+layout(binding = 19, scalar) buffer Touched { uint touched[]; };  // tiles with jobs
+layout(binding = 20, scalar) buffer Clipped { uint clipped[]; };  // listed triangles to clip
 layout(push_constant, scalar) uniform Push { CaptureComputeParams params; };
 
-const int kTile = int(LS_CAPTURE_TILE);
-const int kSub = 256;  // steps of a sample that vertices snap to
+const ivec2 kTile = ivec2(LS_CAPTURE_TILE_WIDTH, LS_CAPTURE_TILE_HEIGHT);
+const int kSub = int(LS_PROJECTED_STEPS);  // steps of a sample that vertices snap to
+
+/// A triangle on the 1/256 sample grid, wound so that its inside is positive.
+struct Corners {
+    ivec2 v0, v1, v2;
+    vec3 depth;  // z/w of the vertices
+    uint id;
+};
 
 /// A triangle ready for its edges and depth to be evaluated anywhere.
 struct Setup {
-    CaptureLarge t;
+    ivec2 v0, v1, v2;
+    uint id;
+    float depth;           // of v0
     float depthX, depthY;  // change per 1/256 sample
     float least, most;     // depth of the vertices: what rounding must not leave
 };
 
 bool doubleSided(uint id) {
-    return (loadCluster(id >> LS_TRIANGLE_BITS).bin & 1) != 0;  // of scene::DrawBin
-}
-
-ivec2 snapped(vec4 clip) {
-    precise const vec2 at = (clip.xy / clip.w * 0.5 + 0.5) * vec2(params.size) * float(kSub);
-    return ivec2(floor(at + 0.5));
-}
-
-/// Whether a triangle lies before the near plane in part (reversed depth: z > w), or beyond what the
-/// integers hold. A comparison with NaN fails.
-bool mustClip(vec4 a, vec4 b, vec4 c) {
-    const vec3 w = vec3(a.w, b.w, c.w);
-    const vec3 reach = max(abs(vec3(a.x, b.x, c.x)), abs(vec3(a.y, b.y, c.y)));
-    return !(all(lessThanEqual(vec3(a.z, b.z, c.z), w)) && all(greaterThan(w, vec3(0))) &&
-             all(lessThanEqual(reach, 2 * w)));
+    return (texelFetch(sceneClusters, int(2 * (id >> LS_TRIANGLE_BITS) + 1)).z & 1) != 0;  // DrawBin
 }
 
 int64_t doubleArea(ivec2 a, ivec2 b, ivec2 c) {
@@ -60,30 +63,31 @@ int64_t doubleArea(ivec2 a, ivec2 b, ivec2 c) {
 
 /// False for a triangle without area or seen from behind. Otherwise winds it so that its inside is
 /// positive (y runs down: the front is negative).
-bool makeFront(inout CaptureLarge t) {
+bool makeFront(inout Corners t, bool fromBehind) {
     const int64_t area = doubleArea(t.v0, t.v1, t.v2);
     if (area < 0) {
-        t = CaptureLarge(t.v0, t.v2, t.v1, t.depth.xzy, t.id);
+        t = Corners(t.v0, t.v2, t.v1, t.depth.xzy, t.id);
         return true;
     }
-    return area > 0 && doubleSided(t.id);
+    return area > 0 && fromBehind;
 }
 
 // Everything below is computed in the same words by every pass, and `precise`, so that a sample has
 // the same depth whichever pass it falls to.
-Setup makeSetup(CaptureLarge t) {
+Setup makeSetup(Corners t) {
     const ivec2 u = t.v1 - t.v0, v = t.v2 - t.v0;
     precise const float perArea = 1 / float(int64_t(u.x) * v.y - int64_t(u.y) * v.x);
     precise const float d1 = t.depth.y - t.depth.x, d2 = t.depth.z - t.depth.x;
     precise const float x = (d1 * float(v.y) - d2 * float(u.y)) * perArea;
     precise const float y = (d2 * float(u.x) - d1 * float(v.x)) * perArea;
-    return Setup(t, x, y, min(t.depth.x, min(t.depth.y, t.depth.z)),
+    return Setup(t.v0, t.v1, t.v2, t.id, t.depth.x, x, y,
+                 min(t.depth.x, min(t.depth.y, t.depth.z)),
                  max(t.depth.x, max(t.depth.y, t.depth.z)));
 }
 
 /// Samples whose centres can lie inside, clipped to the band: first and last.
-ivec4 boxOf(CaptureLarge t) {
-    const ivec2 low = min(t.v0, min(t.v1, t.v2)), high = max(t.v0, max(t.v1, t.v2));
+ivec4 boxOf(ivec2 v0, ivec2 v1, ivec2 v2) {
+    const ivec2 low = min(v0, min(v1, v2)), high = max(v0, max(v1, v2));
     const ivec2 first = max((low + (kSub / 2 - 1)) >> 8, ivec2(0, params.firstRow));
     const ivec2 last =
         min((high - kSub / 2) >> 8, ivec2(params.size.x, params.firstRow + params.rows) - 1);
@@ -119,12 +123,12 @@ bool passesAlpha(ivec2 at) {
                        kBaseColorArrays);
 }
 
-/// Tests the samples first … last (at most a tile a side), which lie in the band, in steps of
+/// Tests the samples first … last (at most 64 a side), which lie in the band, in steps of
 /// `stride` columns. None when first > last.
 void rasterise(Setup s, ivec2 first, ivec2 last, int stride) {
-    const ivec2 d0 = s.t.v1 - s.t.v0, d1 = s.t.v2 - s.t.v1, d2 = s.t.v0 - s.t.v2;
-    ivec3 row = ivec3(edgeAt(s.t.v0, s.t.v1, first), edgeAt(s.t.v1, s.t.v2, first),
-                      edgeAt(s.t.v2, s.t.v0, first));
+    const ivec2 d0 = s.v1 - s.v0, d1 = s.v2 - s.v1, d2 = s.v0 - s.v2;
+    ivec3 row = ivec3(edgeAt(s.v0, s.v1, first), edgeAt(s.v1, s.v2, first),
+                      edgeAt(s.v2, s.v0, first));
     const ivec3 stepX = -ivec3(d0.y, d1.y, d2.y) * stride, stepY = ivec3(d0.x, d1.x, d2.x);
     ivec3 e = row;
     ivec2 at = first;
@@ -132,11 +136,11 @@ void rasterise(Setup s, ivec2 first, ivec2 last, int stride) {
     // for the widest and the highest.
     while (at.x <= last.x && at.y <= last.y) {
         if ((e.x | e.y | e.z) >= 0 && passesAlpha(at)) {
-            const vec2 to = vec2(at * kSub + kSub / 2 - s.t.v0);
-            precise const float plane = s.t.depth.x + s.depthX * to.x + s.depthY * to.y;
+            const vec2 to = vec2(at * kSub + kSub / 2 - s.v0);
+            precise const float plane = s.depth + s.depthX * to.x + s.depthY * to.y;
             const float depth = clamp(plane, s.least, s.most);
             const int index = (at.y - int(params.firstRow)) * int(params.size.x) + at.x;
-            atomicMax(words[index], packUint2x32(uvec2(s.t.id, floatBitsToUint(depth))));
+            atomicMax(words[index], packUint2x32(uvec2(s.id, floatBitsToUint(depth))));
         }
         at.x += stride;
         e += stepX;
@@ -149,7 +153,7 @@ void rasterise(Setup s, ivec2 first, ivec2 last, int stride) {
 }
 
 /// Whether a tile lies outside one edge as a whole.
-bool outside(CaptureLarge t, ivec2 first, ivec2 last) {
+bool outside(Setup t, ivec2 first, ivec2 last) {
     for (int i = 0; i < 3; ++i) {
         const ivec2 a = i == 0 ? t.v0 : i == 1 ? t.v1 : t.v2;
         const ivec2 b = i == 0 ? t.v1 : i == 1 ? t.v2 : t.v0;
@@ -163,17 +167,29 @@ ivec2 tileFirst(ivec2 tile, ivec4 box) { return max(tile * kTile, box.xy); }
 ivec2 tileLast(ivec2 tile, ivec4 box) { return min(tile * kTile + kTile - 1, box.zw); }
 
 /// Queues a triangle to be cut into tiles; false when there is no room.
-bool queueLarge(CaptureLarge t) {
+bool queueLarge(Setup s) {
     const uint slot = atomicAdd(counts.large, 1);
     if (slot >= LS_CAPTURE_LARGE) return false;
-    large[slot] = t;
+    large[3 * slot] = uvec4(s.v0, s.v1);
+    large[3 * slot + 1] = uvec4(s.v2, s.id, floatBitsToUint(s.depth));
+    large[3 * slot + 2] = floatBitsToUint(vec4(s.depthX, s.depthY, s.least, s.most));
+    const uint each = LS_CAPTURE_GROUP / LS_CAPTURE_SPLITTERS;
+    if (slot % each == 0)
+        atomicMax(counts.splitGroups[0], min(slot / each + 1, LS_CAPTURE_MOST_GROUPS));
     return true;
 }
 
+Setup loadLarge(uint slot) {
+    const uvec4 a = texelFetch(largeTexels, int(3 * slot));
+    const uvec4 b = texelFetch(largeTexels, int(3 * slot + 1));
+    const vec4 c = uintBitsToFloat(texelFetch(largeTexels, int(3 * slot + 2)));
+    return Setup(ivec2(a.xy), ivec2(a.zw), ivec2(b.xy), b.z, uintBitsToFloat(b.w), c.x, c.y, c.z,
+                 c.w);
+}
+
 /// Rasterises a triangle of any size, or nothing when !used, in this thread alone.
-void rasteriseAll(CaptureLarge t, bool used) {
-    const ivec4 box = used ? boxOf(t) : ivec4(0, 0, -1, -1);
-    const Setup s = makeSetup(t);
+void rasteriseAll(Setup s, bool used) {
+    const ivec4 box = used ? boxOf(s.v0, s.v1, s.v2) : ivec4(0, 0, -1, -1);
     const ivec2 tiles0 = box.xy / kTile, tiles1 = used ? box.zw / kTile : ivec2(-1);
     for (int y = tiles0.y; y <= tiles1.y; ++y)
         for (int x = tiles0.x; x <= tiles1.x; ++x)

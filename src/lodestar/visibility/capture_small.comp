@@ -5,49 +5,68 @@
 // One thread a listed triangle: rasterises the small ones, queues the others.
 
 layout(constant_id = 3) const int kSmall = 256;  // samples of the box of a small triangle, at most
+layout(constant_id = 4) const uint kProjected = 1;  // those whose vertices are, or the others
 
 void main() {
     const uint index = gl_GlobalInvocationID.x +
                        gl_GlobalInvocationID.y * gl_NumWorkGroups.x * LS_CAPTURE_GROUP;
-    const bool listed = index < counts.count;
-    const uint id = texelFetch(listedIds, int(counts.first + (listed ? index : 0))).x;
-    const GpuCluster cluster = loadCluster(id >> LS_TRIANGLE_BITS);
-    const GpuInstance instance = loadInstance(cluster.instance);
-    const GpuTriangle stored = loadStoredTriangle(cluster.triangles + (id & LS_TRIANGLE_MASK));
-    const bool reflected = (instance.flags & LS_INSTANCE_REFLECTED) != 0;
-    const uvec3 corners = uvec3(stored.a, reflected ? stored.c : stored.b,
-                                reflected ? stored.b : stored.c);
-    precise const vec4 a = params.clipFromWorld *
-                           vec4(transformPoint(instance, loadVertex(corners.x).position), 1);
-    precise const vec4 b = params.clipFromWorld *
-                           vec4(transformPoint(instance, loadVertex(corners.y).position), 1);
-    precise const vec4 c = params.clipFromWorld *
-                           vec4(transformPoint(instance, loadVertex(corners.z).position), 1);
+    const uint id = texelFetch(listedIds, int(counts.first + min(index, counts.count - 1))).x;
+    const uint cluster = id >> LS_TRIANGLE_BITS, slot = cluster - params.table;
+    const bool listed = index < counts.count && (slot < params.capacity) == (kProjected != 0);
+    const uvec4 what = texelFetch(sceneClusters, int(2 * cluster));  // a GpuCluster
+    const GpuTriangle stored = loadStoredTriangle(what.z + (id & LS_TRIANGLE_MASK));
 
-    const bool clip = mustClip(a, b, c);
+    Corners t;
+    t.id = id;
+    bool clip, fromBehind;
+    if (kProjected != 0) {
+        const ivec3 own = int((listed ? slot : 0) * LS_MESHLET_VERTICES) +
+                          ivec3(uvec3(stored.own, stored.own >> 8, stored.own >> 16) & 255u);
+        const uvec4 a = texelFetch(projected, own.x), p = texelFetch(projected, own.y),
+                    q = texelFetch(projected, own.z);
+        const bool reflected = (a.w & LS_PROJECTED_REFLECTED) != 0;
+        const uvec4 b = reflected ? q : p, c = reflected ? p : q;
+        t.v0 = ivec2(a.xy);
+        t.v1 = ivec2(b.xy);
+        t.v2 = ivec2(c.xy);
+        t.depth = uintBitsToFloat(uvec3(a.z, b.z, c.z));
+        clip = ((a.w | b.w | c.w) & LS_PROJECTED_CLIP) != 0;
+        fromBehind = (a.w & LS_PROJECTED_DOUBLE_SIDED) != 0;
+    } else {
+        const GpuInstance instance = loadInstance(what.x);
+        const bool reflected = (instance.flags & LS_INSTANCE_REFLECTED) != 0;
+        const vec4 a = clipOf(params.clipFromWorld, instance, stored.a);
+        const vec4 b = clipOf(params.clipFromWorld, instance, reflected ? stored.c : stored.b);
+        const vec4 c = clipOf(params.clipFromWorld, instance, reflected ? stored.b : stored.c);
+        clip = !(inReach(a) && inReach(b) && inReach(c));
+        t.v0 = clip ? ivec2(0) : snappedTo(a, params.size);
+        t.v1 = clip ? ivec2(0) : snappedTo(b, params.size);
+        t.v2 = clip ? ivec2(0) : snappedTo(c, params.size);
+        t.depth = vec3(a.z / a.w, b.z / b.w, c.z / c.w);
+        fromBehind = doubleSided(id);
+    }
     if (listed && clip) {
-        const uint slot = atomicAdd(counts.clipped, 1);
-        if (slot < LS_CAPTURE_CLIPPED) clipped[slot] = id;
+        const uint place = atomicAdd(counts.clipped, 1);
+        if (place < LS_CAPTURE_CLIPPED) clipped[place] = id;
+        if (place % LS_CAPTURE_GROUP == 0)
+            atomicMax(counts.clipGroups[0],
+                      min(place / LS_CAPTURE_GROUP + 1, LS_CAPTURE_MOST_GROUPS));
     }
 
-    const bool usable = listed && !clip;
-    CaptureLarge t = CaptureLarge(ivec2(0), ivec2(0), ivec2(0), vec3(0), id);
-    if (usable)
-        t = CaptureLarge(snapped(a), snapped(b), snapped(c), vec3(a.z / a.w, b.z / b.w, c.z / c.w),
-                         id);
-    const bool front = makeFront(t) && usable;
-    const ivec4 box = boxOf(t);
+    const bool front = makeFront(t, fromBehind) && listed && !clip;
+    const ivec4 box = boxOf(t.v0, t.v1, t.v2);
     const ivec2 size = box.zw - box.xy + 1;
     const bool seen = front && min(size.x, size.y) > 0;
-    const bool small = max(size.x, size.y) <= kTile && size.x * size.y <= kSmall;
-    bool here = seen && small;
+    const bool small = max(size.x, size.y) <= 64 && size.x * size.y <= kSmall;
+    const bool here = seen && small;
+    const Setup s = makeSetup(t);
     bool room = true;
-    if (seen && !small) room = queueLarge(t);
+    if (seen && !small) room = queueLarge(s);
     if (here) loadMasked(id);
-    rasterise(makeSetup(t), box.xy, here ? box.zw : box.xy - 1, 1);
+    rasterise(s, box.xy, here ? box.zw : box.xy - 1, 1);
     // Where the queue is full: slowly, but all of it.
     if (!room) {
         loadMasked(id);
-        rasteriseAll(t, seen && !small);
+        rasteriseAll(s, seen && !small);
     }
 }

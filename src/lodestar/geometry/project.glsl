@@ -1,0 +1,27 @@
+// SPDX-License-Identifier: Apache-2.0
+// Vertices on the sample grid: in the same words wherever they are computed, and `precise`, so that
+// triangles that share a vertex agree on it.
+#ifndef LS_PROJECT_GLSL
+#define LS_PROJECT_GLSL
+#include "../scene/scene.glsl"
+#include "project_params.h"
+
+vec4 clipOf(mat4 clipFromWorld, GpuInstance instance, uint vertex) {
+    precise const vec3 world = transformPoint(instance, loadVertex(vertex).position);
+    precise const vec4 clip = clipFromWorld * vec4(world, 1);
+    return clip;
+}
+
+ivec2 snappedTo(vec4 clip, uvec2 size) {
+    precise const vec2 at =
+        (clip.xy / clip.w * 0.5 + 0.5) * vec2(size) * float(LS_PROJECTED_STEPS);
+    return ivec2(floor(at + 0.5));
+}
+
+/// Whether a vertex can be snapped: not before the near plane (reversed depth: z > w), and within
+/// what the integers hold. Comparisons with NaN fail.
+bool inReach(vec4 clip) {
+    return clip.z <= clip.w && clip.w > 0 && max(abs(clip.x), abs(clip.y)) <= 2 * clip.w;
+}
+
+#endif
