@@ -41,7 +41,7 @@ LodChoice allowed(float errorPx) {
 }
 
 /// Passes that belong to geometry: all that lists and draws triangles.
-constexpr std::array kGeometryPasses{"cull", "cull triangles", "capture",
+constexpr std::array kGeometryPasses{"cull", "cull triangles", "capture",     "ids",
                                      "hi-z", "cull rest",      "capture rest"};
 
 /// The times of one way to render, round by round.
@@ -105,6 +105,29 @@ BenchResult startOf(const BenchOptions& options) {
 
 // geometry-lod
 
+struct Mode {
+    bool lod;
+    CullMode culling;
+    frame::CaptureBackend capture;
+};
+
+/// The six modes, and what the raster pipeline makes of the first.
+std::vector<Mode> modesOf(const BenchOptions& options, const gpu::Device& device) {
+    using frame::CaptureBackend;
+    CaptureBackend capture = options.settings.capture;
+    if (capture == CaptureBackend::automatic)
+        capture = visibility::CaptureCompute::fits(device, options.settings.size)
+                      ? CaptureBackend::compute
+                      : CaptureBackend::supersample;
+    std::vector<Mode> modes;
+    for (const bool lod : {false, true})
+        for (const CullMode mode : {CullMode::none, CullMode::frustum, CullMode::hiz})
+            modes.push_back({lod, mode, capture});
+    if (capture != CaptureBackend::supersample)
+        modes.push_back({false, CullMode::none, CaptureBackend::supersample});
+    return modes;
+}
+
 /// One after another, not side by side: each frame's lists take memory by the scene's size.
 Result<void> measureModes(const BenchCase& what, const BenchOptions& options, BenchResult& result) {
     auto opened = openCase(what, options);
@@ -112,41 +135,43 @@ Result<void> measureModes(const BenchCase& what, const BenchOptions& options, Be
     const auto& [session, camera] = *opened;
     const float errorPx = options.settings.lod.errorPx;
     quality::RgbImage plain;
-    Progress bar("measuring", 6);
+    const std::vector<Mode> modes = modesOf(options, *session.device);
+    Progress bar("measuring", modes.size());
     std::size_t done = 0;
-    for (const bool lod : {false, true})
-        for (const CullMode mode : {CullMode::none, CullMode::frustum, CullMode::hiz}) {
-            frame::FrameSettings settings = geometrySettings(options);
-            settings.cull = mode;
-            settings.lod = lod ? allowed(errorPx) : LodChoice{};
-            frame::Frame frame(*session.device, *session.gpuScene, settings);
-            // Without culling a frame takes long, and varies little.
-            const int rounds =
-                mode == CullMode::none ? std::min(options.rounds, 3) : options.rounds;
-            warmUp([&] { return frame.render(camera, {}); });
-            Times times;
-            for (int i = 0; i < rounds; ++i) times.add(frame.render(camera, {}));
-            const quality::RgbImage picture = readDisplay(*session.device, frame);
-            if (plain.rgb.empty()) plain = picture;
-            Json row = rowStart("modes", what, options);
-            row["culling"] = nameOf(mode);
-            row["lod"] = nameOf(settings.lod);
-            times.write(row);
-            const Json counts = countsOf(session, frame);
-            writeCounts(counts, row);
-            const QualityFigures q = qualityOf(plain, picture);
-            row["psnr_db"] = finiteOrNull(q.psnrDb);
-            row["ssim"] = finiteOrNull(q.ssim);
-            row["flip"] = q.flip;
-            result.rows.push_back(row);
-            describe(result, session, times, counts);
-            bar.update(++done);
-            const fs::path file =
-                options.out / fmt::format("geometry-lod.{}.{}.{}.png", sceneSlug(what.scene),
-                                          nameOf(mode), lod ? "lod" : "off");
-            result.files.push_back(file);
-            if (auto written = writePng(file, picture); !written) return written;
-        }
+    for (const auto& [lod, mode, capture] : modes) {
+        frame::FrameSettings settings = geometrySettings(options);
+        settings.cull = mode;
+        settings.capture = capture;
+        settings.lod = lod ? allowed(errorPx) : LodChoice{};
+        frame::Frame frame(*session.device, *session.gpuScene, settings);
+        // Without culling a frame takes long, and varies little.
+        const int rounds = mode == CullMode::none ? std::min(options.rounds, 3) : options.rounds;
+        warmUp([&] { return frame.render(camera, {}); });
+        Times times;
+        for (int i = 0; i < rounds; ++i) times.add(frame.render(camera, {}));
+        const quality::RgbImage picture = readDisplay(*session.device, frame);
+        if (plain.rgb.empty()) plain = picture;
+        Json row = rowStart("modes", what, options);
+        row["capture"] = frame::kCaptureBackendNames[static_cast<std::size_t>(capture)];
+        row["culling"] = nameOf(mode);
+        row["lod"] = nameOf(settings.lod);
+        times.write(row);
+        const Json counts = countsOf(session, frame);
+        writeCounts(counts, row);
+        const QualityFigures q = qualityOf(plain, picture);
+        row["psnr_db"] = finiteOrNull(q.psnrDb);
+        row["ssim"] = finiteOrNull(q.ssim);
+        row["flip"] = q.flip;
+        result.rows.push_back(row);
+        describe(result, session, times, counts);
+        bar.update(++done);
+        const fs::path file =
+            options.out / fmt::format("geometry-lod.{}.{}.{}.{}.png", sceneSlug(what.scene),
+                                      nameOf(mode), lod ? "lod" : "off",
+                                      row.at("capture").get<std::string>());
+        result.files.push_back(file);
+        if (auto written = writePng(file, picture); !written) return written;
+    }
     bar.erase();
     return validationVerdict(*session.device);
 }
@@ -186,27 +211,36 @@ Result<BenchResult> runModes(const BenchOptions& options) {
 
 const Json* rowOf(const Json& rows, const Json& like, const char* culling, bool lod) {
     for (const Json& row : rows)
-        if (row.at("scene") == like.at("scene") && row.at("culling") == culling &&
-            (row.at("lod") != "off") == lod)
+        if (row.at("scene") == like.at("scene") && row.at("capture") == like.at("capture") &&
+            row.at("culling") == culling && (row.at("lod") != "off") == lod)
             return &row;
     return nullptr;
 }
 
+double ratioOf(const Json& a, const Json& b, const char* key) {
+    return a.at(key).get<double>() / std::max(b.at(key).get<double>(), 1e-9);
+}
+
 std::vector<Bar> barsOfModes(const Json& rows) {
     std::vector<Bar> bars;
+    const Json* allOn = nullptr;  // of the scene being looked at
     for (const Json& row : rows) {
         if (row.at("culling") != "none" || row.at("lod") != "off") continue;
         const std::string scene = row.at("scene");
         const Json *all = rowOf(rows, row, "hiz", true), *hiz = rowOf(rows, row, "hiz", false),
                    *frustum = rowOf(rows, row, "frustum", false);
-        if (all == nullptr || hiz == nullptr || frustum == nullptr) continue;
-        const auto ratio = [](const Json& a, const Json& b, const char* key) {
-            return a.at(key).get<double>() / std::max(b.at(key).get<double>(), 1e-9);
-        };
-        const double frames = ratio(row, *all, "frame_ms");
+        if (all == nullptr || hiz == nullptr || frustum == nullptr) {
+            if (allOn == nullptr || allOn->at("scene") != row.at("scene")) continue;
+            const double frames = ratioOf(row, *allOn, "frame_ms");
+            bars.push_back({"frames, no culling, raster pipeline -> all on: " + scene, frames, "x",
+                            ">= 15", frames >= 15});
+            continue;
+        }
+        allOn = all;
+        const double frames = ratioOf(row, *all, "frame_ms");
         bars.push_back(
             {"frames, no culling -> all on: " + scene, frames, "x", ">= 15", frames >= 15});
-        const double geometry = ratio(row, *all, "geometry_ms");
+        const double geometry = ratioOf(row, *all, "geometry_ms");
         bars.push_back({"geometry passes, no culling -> all on: " + scene, geometry, "x", ">= 15",
                         geometry >= 15});
         const bool same = hiz->at("psnr_db").is_null() && frustum->at("psnr_db").is_null();
@@ -378,7 +412,7 @@ Bench geometryLodBench() {
             .run = runModes,
             .bars = barsOfModes,
             .tables = {{"modes",
-                        {"scene", "culling", "lod", "frame_ms", "geometry_ms", "cull_ms",
+                        {"scene", "capture", "culling", "lod", "frame_ms", "geometry_ms", "cull_ms",
                          "cull_triangles_ms", "capture_ms", "hi-z_ms", "cull_rest_ms",
                          "instances_visible", "triangles_visible", "psnr_db", "flip"}}}};
 }

@@ -43,7 +43,7 @@ std::string rowsText(const Json& rows, const std::string& measures,
     std::vector<Table::Column> columns;
     for (const std::string& key : keys) {
         const bool text = key == "scene" || key == "camera" || key == "method" || key == "path" ||
-                          key == "size" || key == "culling" || key == "lod";
+                          key == "size" || key == "culling" || key == "lod" || key == "capture";
         columns.push_back({headingOf(key), text ? Table::Align::left : Table::Align::right});
     }
     Table table(columns);
