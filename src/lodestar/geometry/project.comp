@@ -12,11 +12,6 @@ layout(binding = 7, scalar) buffer Counts { CullCounts counts; };
 layout(binding = 8, scalar) writeonly buffer Vertices { uvec4 vertices[]; };
 layout(push_constant, scalar) uniform Push { ProjectParams push; };
 
-uint outside(vec4 clip) {
-    return uint(clip.x > clip.w) | uint(clip.x < -clip.w) << 1 | uint(clip.y > clip.w) << 2 |
-           uint(clip.y < -clip.w) << 3 | uint(clip.z > clip.w) << 4;
-}
-
 void main() {
     const uint thread =
         linearThread(gl_WorkGroupID, gl_NumWorkGroups, LS_SPAN, gl_LocalInvocationID.x);

@@ -24,4 +24,10 @@ bool inReach(vec4 clip) {
     return clip.z <= clip.w && clip.w > 0 && max(abs(clip.x), abs(clip.y)) <= 2 * clip.w;
 }
 
+/// Which sides of the view volume it is outside of: LS_PROJECTED_OUTSIDE.
+uint outside(vec4 clip) {
+    return uint(clip.x > clip.w) | uint(clip.x < -clip.w) << 1 | uint(clip.y > clip.w) << 2 |
+           uint(clip.y < -clip.w) << 3 | uint(clip.z > clip.w) << 4;
+}
+
 #endif

@@ -19,6 +19,7 @@ void main() {
     Corners t;
     t.id = id;
     bool clip, fromBehind;
+    uint beyond;  // sides that all three corners are outside of
     if (kProjected != 0) {
         const ivec3 own = int((listed ? slot : 0) * LS_MESHLET_VERTICES) +
                           ivec3(uvec3(stored.own, stored.own >> 8, stored.own >> 16) & 255u);
@@ -31,6 +32,7 @@ void main() {
         t.v2 = ivec2(c.xy);
         t.depth = uintBitsToFloat(uvec3(a.z, b.z, c.z));
         clip = ((a.w | b.w | c.w) & LS_PROJECTED_CLIP) != 0;
+        beyond = a.w & b.w & c.w & LS_PROJECTED_OUTSIDE;
         fromBehind = (a.w & LS_PROJECTED_DOUBLE_SIDED) != 0;
     } else {
         const GpuInstance instance = loadInstance(what.x);
@@ -39,13 +41,14 @@ void main() {
         const vec4 b = clipOf(params.clipFromWorld, instance, reflected ? stored.c : stored.b);
         const vec4 c = clipOf(params.clipFromWorld, instance, reflected ? stored.b : stored.c);
         clip = !(inReach(a) && inReach(b) && inReach(c));
+        beyond = outside(a) & outside(b) & outside(c);
         t.v0 = clip ? ivec2(0) : snappedTo(a, params.size);
         t.v1 = clip ? ivec2(0) : snappedTo(b, params.size);
         t.v2 = clip ? ivec2(0) : snappedTo(c, params.size);
         t.depth = vec3(a.z / a.w, b.z / b.w, c.z / c.w);
         fromBehind = doubleSided(id);
     }
-    if (listed && clip) {
+    if (listed && clip && beyond == 0) {
         const uint place = atomicAdd(counts.clipped, 1);
         if (place < LS_CAPTURE_CLIPPED) clipped[place] = id;
         if (place % LS_CAPTURE_GROUP == 0)
