@@ -100,6 +100,34 @@ std::string csvCell(const Json& value) {
     return quoted + '"';
 }
 
+/// One row as it comes: "key value" of its table's columns.
+void printRow(const Bench& bench, const Json& row) {
+    for (const auto& [measures, keys] : bench.tables) {
+        if (row.at("measures") != measures) continue;
+        std::string line;
+        for (const std::string& key : keys)
+            if (const std::string cell = cellText(key, row); !cell.empty())
+                line += fmt::format("  {} {}", headingOf(key), cell);
+        fmt::print("{}\n", line);
+    }
+}
+
+/// DIR/NAME.json and DIR/NAME.csv.
+Result<Json> writeResult(const std::string& name, const BenchOptions& options,
+                         const BenchResult& result) {
+    Report report = result.report;
+    report.settings["rounds"] = options.rounds;
+    report.more["rows"] = result.rows;
+    report.more["source"] = result.source;
+    report.more["bars"] = barsJson(result.bars);
+    Json all = toJson(report);
+    if (const auto done = writeJson(options.out / (name + ".json"), all); !done)
+        return tl::unexpected(done.error());
+    if (const auto done = writeWholeFile(options.out / (name + ".csv"), csvOf(result.rows)); !done)
+        return tl::unexpected(done.error());
+    return all;
+}
+
 }  // namespace
 
 const std::vector<Bench>& benches() {
@@ -178,24 +206,27 @@ Result<Json> runBench(const std::string& name, const BenchOptions& given) {
         return fail(fmt::format("{}: {}: give --out a folder that can be made",
                                 options.out.string(), error.message()));
 
+    std::size_t shown = 0;
+    options.rowsCame = [&](const BenchResult& soFar) -> Result<void> {
+        for (; shown < soFar.rows.size(); ++shown) printRow(*bench, soFar.rows[shown]);
+        std::fflush(stdout);
+        BenchResult unfinished = soFar;
+        unfinished.bars = bench->bars(soFar.rows);
+        const auto written = writeResult(name, options, unfinished);
+        return written ? Result<void>() : tl::unexpected(written.error());
+    };
     auto result = bench->run(options);
     if (!result) return tl::unexpected(result.error());
     result->bars = bench->bars(result->rows);
-    result->report.settings["rounds"] = options.rounds;
-    result->report.more["rows"] = result->rows;
-    result->report.more["source"] = result->source;
-    result->report.more["bars"] = barsJson(result->bars);
-    const fs::path json = options.out / (name + ".json"), csv = options.out / (name + ".csv");
-    const Json all = toJson(result->report);
-    if (const auto done = writeJson(json, all); !done) return tl::unexpected(done.error());
-    if (const auto done = writeWholeFile(csv, csvOf(result->rows)); !done)
-        return tl::unexpected(done.error());
+    const auto all = writeResult(name, options, *result);
+    if (!all) return all;
 
     for (const auto& [measures, keys] : bench->tables) printRows(result->rows, measures, keys);
     printBars(result->bars);
     fmt::print("\n");
     for (const fs::path& file : result->files) fmt::print("wrote {}\n", file.string());
-    fmt::print("wrote {}\nwrote {}\n", csv.string(), json.string());
+    fmt::print("wrote {}\nwrote {}\n", (options.out / (name + ".csv")).string(),
+               (options.out / (name + ".json")).string());
     return all;
 }
 
@@ -313,6 +344,15 @@ void addBench(CLI::App& app, int& exitCode) {
             if (command->count("--size") > 0) o->view.size = asked.view.size;
             if (rounds->count() > 0) o->rounds = asked.rounds;
             if (frames->count() > 0) o->frames = asked.frames;
+        }
+        if (const Bench& bench = *findBench(*name); !*quick && (bench.onCpu || bench.onGpu)) {
+            const bool cpu = gpu::Device(o->device).description().type == "Cpu";
+            const Scope scope = (cpu ? bench.onCpu : bench.onGpu)
+                                    .value_or(Scope{o->view.size, o->rounds, o->frames});
+            o->everySize = !cpu && command->count("--size") == 0;
+            if (command->count("--size") == 0) o->view.size = scope.size;
+            if (rounds->count() == 0) o->rounds = scope.rounds;
+            if (frames->count() == 0) o->frames = scope.frames;
         }
         const auto done = runBench(*name, *o);
         exitCode = finish(done ? Result<void>() : tl::unexpected(done.error()));
