@@ -202,9 +202,8 @@ Result<Tuning> warmUp(const Options& options, const Session& session, frame::Fra
 /// Several samples a pixel are shaded at full rate: what says otherwise is refused.
 Result<void> checkCapture(const Options& options) {
     const std::uint32_t side = options.capture.side;
-    if (side == 1 && options.capture.backend != frame::CaptureBackend::automatic &&
-        options.capture.backend != frame::CaptureBackend::supersample)
-        return fail("--capture: at one sample a pixel there is only ss; give --capture-rate");
+    if (side == 1 && options.capture.backend == frame::CaptureBackend::multisample)
+        return fail("--capture ms: for several samples a pixel; give --capture-rate");
     if (side == 1) return {};
     const budget::Levers& levers = options.levers;
     bool full = true;

@@ -17,6 +17,7 @@
 #include "app/bench/published.hpp"
 #include "app/image_io.hpp"
 #include "app/judge.hpp"
+#include "gpu_device.hpp"
 #include "temp_folder.hpp"
 
 namespace lodestar::app {
@@ -174,12 +175,13 @@ TEST(AttributeComparison, gbufferHoldsWhatIsRebuilt) {
     const auto wordsA = gpu::as<glm::uvec4>(gpu::readImage(device, comparison.rebuilt().material));
     const auto wordsB = gpu::as<glm::uvec4>(gpu::readImage(device, comparison.drawn().material));
     quality::RgbImage albedoA(160, 90), albedoB(160, 90);
-    std::size_t surfaces = 0, normalsApart = 0;
+    std::size_t surfaces = 0, depthsApart = 0, normalsApart = 0;
     for (std::size_t i = 0; i < depthA.size(); ++i) {
         ASSERT_EQ(depthA[i] == 0, depthB[i] == 0) << "pixel " << i;
         if (depthA[i] == 0) continue;
         ++surfaces;
-        EXPECT_NEAR(depthA[i], depthB[i], 1e-3 * depthA[i]) << "pixel " << i;
+        EXPECT_NEAR(depthA[i], depthB[i], 5e-3 * depthA[i]) << "pixel " << i;
+        if (std::abs(depthA[i] - depthB[i]) > 1e-3f * depthA[i]) ++depthsApart;
         for (int c = 0; c < 3; ++c) {
             albedoA.rgb[3 * i + std::size_t(c)] = std::uint8_t(wordsA[i].x >> 8 * c);
             albedoB.rgb[3 * i + std::size_t(c)] = std::uint8_t(wordsB[i].x >> 8 * c);
@@ -191,7 +193,10 @@ TEST(AttributeComparison, gbufferHoldsWhatIsRebuilt) {
     EXPECT_GT(surfaces, depthA.size() / 8);
     EXPECT_GT(std::set(albedoA.rgb.begin(), albedoA.rgb.end()).size(), 16u);  // there is a pattern
     EXPECT_GE(quality::psnr(albedoA, albedoB), 45);
-    EXPECT_EQ(normalsApart, 0u);
+    // Hardware draws triangles with their corners moved to a fraction of a pixel.
+    const std::size_t moved = onReferenceDriver() ? 0 : surfaces / 200;
+    EXPECT_LE(depthsApart, moved);
+    EXPECT_LE(normalsApart, moved);
     EXPECT_EQ(device.validationMessages(), std::vector<std::string>());
 }
 

@@ -9,7 +9,19 @@
 
 #include <lodestar/gpu/device.hpp>
 
-/// A test that needs a device: Mesa's CPU driver, with validation and synchronization validation.
+/// The device that tests run on: Mesa's CPU driver, wherever other drivers are installed too;
+/// $LODESTAR_TEST_DEVICE names another, to try the tests on real hardware.
+inline std::string testDevice() {
+    const char* asked = std::getenv("LODESTAR_TEST_DEVICE");
+    return asked && *asked ? asked : "llvmpipe";
+}
+
+/// Whether that is the driver whose last bits tests may expect.
+inline bool onReferenceDriver() {
+    return testDevice() == "llvmpipe";
+}
+
+/// A test that needs a device: testDevice(), with validation and synchronization validation.
 /// A suite shares one device. A test during which the layers say anything fails. Without the driver
 /// or the layers tests are skipped, but fail in CI, which must have both.
 class GpuTest : public testing::Test {
@@ -17,7 +29,7 @@ protected:
     static void SetUpTestSuite() {
         try {
             opened = std::make_unique<lodestar::gpu::Device>(
-                lodestar::gpu::DeviceRequest{.device = "llvmpipe", .validation = true});
+                lodestar::gpu::DeviceRequest{.device = testDevice(), .validation = true});
         } catch (const lodestar::gpu::DeviceError& error) {
             whyNone = error.what();
         }

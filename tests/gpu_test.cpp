@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <cctype>
 #include <numeric>
 #include <random>
 
@@ -261,7 +262,12 @@ TEST_F(DeviceTest, anUnknownNameIsAnErrorThatListsWhatThereIs) {
 }
 
 TEST_F(DeviceTest, isChosenByIndexAndByPartOfItsName) {
-    const Device byName(DeviceRequest{.device = "LLVMpipe"});
+    std::string part = device().description().name.substr(0, 6);
+    for (char& c : part)
+        c = std::isupper(static_cast<unsigned char>(c))
+                ? static_cast<char>(std::tolower(static_cast<unsigned char>(c)))
+                : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    const Device byName(DeviceRequest{.device = part});
     EXPECT_EQ(byName.description().name, device().description().name);
     const Device byIndex(DeviceRequest{.device = std::to_string(device().description().index)});
     EXPECT_EQ(byIndex.description().index, device().description().index);
@@ -270,7 +276,7 @@ TEST_F(DeviceTest, isChosenByIndexAndByPartOfItsName) {
 }
 
 TEST_F(DeviceTest, describesItself) {
-    EXPECT_EQ(device().description().type, "Cpu");
+    EXPECT_EQ(device().description().type == "Cpu", onReferenceDriver());
     EXPECT_EQ(device().description().unusableBecause, "");
     EXPECT_GT(device().timestampMs(), 0);
     for (const auto& feature : device().optionalFeatures()) {
@@ -280,7 +286,7 @@ TEST_F(DeviceTest, describesItself) {
 }
 
 TEST_F(DeviceTest, validationSpeaksUpAboutMisuse) {
-    const Device own(DeviceRequest{.device = "llvmpipe", .validation = true});
+    const Device own(DeviceRequest{.device = testDevice(), .validation = true});
     EXPECT_TRUE(own.validationMessages().empty());
     const Buffer a(own, "a", 256), b(own, "b", 256);
     own.runNow([&](const vk::raii::CommandBuffer& commands) {

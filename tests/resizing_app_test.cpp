@@ -30,9 +30,9 @@ std::string contents(const std::filesystem::path& file) {
 /// The program itself on Mesa's CPU driver: its exit status and what it wrote to standard error.
 std::pair<int, std::string> run(const TempFolder& folder, const std::string& arguments) {
     const auto out = folder / "stdout", err = folder / "stderr";
-    const std::string command = "\"" LODESTAR_PROGRAM "\" " + arguments +
-                                " --device llvmpipe > \"" + out.string() + "\" 2> \"" +
-                                err.string() + "\"";
+    const std::string command = "\"" LODESTAR_PROGRAM "\" " + arguments + " --device " +
+                                testDevice() + " > \"" + out.string() + "\" 2> \"" + err.string() +
+                                "\"";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(err)};
 }

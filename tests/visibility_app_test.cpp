@@ -33,7 +33,7 @@ Ended run(const TempFolder& folder, const std::string& arguments,
           const std::string& environment = "") {
     const auto out = folder / "stdout", err = folder / "stderr";
     const std::string command = environment + " \"" LODESTAR_PROGRAM "\" " + arguments +
-                                " --device llvmpipe > \"" + out.string() + "\" 2> \"" +
+                                " --device " + testDevice() + " > \"" + out.string() + "\" 2> \"" +
                                 err.string() + "\"";
     const int status = std::system(command.c_str());
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(out), contents(err)};
@@ -150,7 +150,7 @@ TEST(RenderProgram, severalSamplesAPixelGiveAnAntialiasedPicture) {
 
 BenchOptions quickOptions(const TempFolder& folder) {
     BenchOptions options{.out = folder / "out",
-                         .device = {.device = "llvmpipe", .validation = true}};
+                         .device = {.device = testDevice(), .validation = true}};
     makeQuick(options);
     options.rounds = 1;
     return options;

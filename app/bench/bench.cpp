@@ -11,77 +11,16 @@
 #include <fmt/format.h>
 
 #include "app/bench/benches.hpp"
+#include "app/bench/results.hpp"
 #include "app/camera_path.hpp"
 #include "app/console.hpp"
 #include "app/frame_options.hpp"
 #include "app/geometry_options.hpp"
-#include "app/whole_file.hpp"
 
 namespace lodestar::app {
 namespace {
 
 namespace fs = std::filesystem;
-
-/// A cell as people read it: the unit is in the key.
-std::string cellText(const std::string& key, const Json& row) {
-    const auto found = row.find(key);
-    if (found == row.end()) return "";
-    if (found->is_null()) return "–";
-    if (found->is_string()) return printable(found->get<std::string>());
-    const double value = found->get<double>();
-    if (key.ends_with("_ms")) return formatMs(value);
-    if (key.ends_with("_db")) return fmt::format("{:.1f} dB", value);
-    if (key.ends_with("_bytes")) return formatBytes(static_cast<std::uint64_t>(value));
-    if (key.ends_with("_share")) return fmt::format("{:.1f} %", 100 * value);
-    if (found->is_number_integer()) return found->dump();
-    return fmt::format("{:.{}f}", value, key == "ssim" || key == "flip" ? 4 : 2);
-}
-
-/// "edge_psnr_db" → "edge psnr": cells say the unit.
-std::string headingOf(std::string key) {
-    for (const char* unit : {"_ms", "_db", "_share", "_bytes"})
-        if (key.ends_with(unit)) key.resize(key.rfind('_'));
-    std::replace(key.begin(), key.end(), '_', ' ');
-    return key;
-}
-
-void printRows(const Json& rows, const std::string& measures,
-               const std::vector<std::string>& keys) {
-    std::vector<Table::Column> columns;
-    for (const std::string& key : keys) {
-        const bool text = key == "scene" || key == "camera" || key == "method" || key == "path" ||
-                          key == "size" || key == "culling" || key == "lod";
-        columns.push_back({headingOf(key), text ? Table::Align::left : Table::Align::right});
-    }
-    Table table(columns);
-    for (const Json& row : rows) {
-        if (row.at("measures") != measures) continue;
-        std::vector<std::string> cells;
-        for (const std::string& key : keys) cells.push_back(cellText(key, row));
-        table.row(std::move(cells));
-    }
-    fmt::print("\n{}\n{}", measures, table.text());
-}
-
-void printBars(const std::vector<Bar>& bars) {
-    Table table({{"bar"}, {"measured", Table::Align::right}, {"goal", Table::Align::right}, {""}});
-    for (const Bar& bar : bars)
-        table.row({printable(bar.what),
-                   std::isfinite(bar.value) ? fmt::format("{:.2f} {}", bar.value, bar.unit) : "–",
-                   bar.goal, bar.holds ? "holds" : "MISSED"});
-    fmt::print("\nbars\n{}", table.text());
-}
-
-Json barsJson(const std::vector<Bar>& bars) {
-    Json json = Json::array();
-    for (const Bar& bar : bars)
-        json.push_back({{"what", bar.what},
-                        {"value", finiteOrNull(bar.value)},
-                        {"unit", bar.unit},
-                        {"goal", bar.goal},
-                        {"holds", bar.holds}});
-    return json;
-}
 
 const Bench* findBench(const std::string& name) {
     const auto& all = benches();
@@ -90,42 +29,17 @@ const Bench* findBench(const std::string& name) {
     return found == all.end() ? nullptr : &*found;
 }
 
-std::string csvCell(const Json& value) {
-    if (value.is_null()) return "";
-    if (!value.is_string()) return value.dump();
-    std::string text = value.get<std::string>();
-    if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-    std::string quoted = "\"";
-    for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-    return quoted + '"';
-}
-
-/// One row as it comes: "key value" of its table's columns.
-void printRow(const Bench& bench, const Json& row) {
-    for (const auto& [measures, keys] : bench.tables) {
-        if (row.at("measures") != measures) continue;
-        std::string line;
-        for (const std::string& key : keys)
-            if (const std::string cell = cellText(key, row); !cell.empty())
-                line += fmt::format("  {} {}", headingOf(key), cell);
-        fmt::print("{}\n", line);
-    }
-}
-
-/// DIR/NAME.json and DIR/NAME.csv.
-Result<Json> writeResult(const std::string& name, const BenchOptions& options,
-                         const BenchResult& result) {
-    Report report = result.report;
-    report.settings["rounds"] = options.rounds;
-    report.more["rows"] = result.rows;
-    report.more["source"] = result.source;
-    report.more["bars"] = barsJson(result.bars);
-    Json all = toJson(report);
-    if (const auto done = writeJson(options.out / (name + ".json"), all); !done)
-        return tl::unexpected(done.error());
-    if (const auto done = writeWholeFile(options.out / (name + ".csv"), csvOf(result.rows)); !done)
-        return tl::unexpected(done.error());
-    return all;
+/// What `options` leave open, as the bench has it for the device.
+BenchOptions scoped(const Bench& bench, BenchOptions o, const CLI::App& command) {
+    if (!bench.onCpu && !bench.onGpu) return o;
+    const bool cpu = gpu::Device(o.device).description().type == "Cpu";
+    const Scope scope =
+        (cpu ? bench.onCpu : bench.onGpu).value_or(Scope{o.view.size, o.rounds, o.frames});
+    o.everySize = !cpu && command.count("--size") == 0;
+    if (command.count("--size") == 0) o.view.size = scope.size;
+    if (command.count("--rounds") == 0) o.rounds = scope.rounds;
+    if (command.count("--frames") == 0) o.frames = scope.frames;
+    return o;
 }
 
 }  // namespace
@@ -206,28 +120,33 @@ Result<Json> runBench(const std::string& name, const BenchOptions& given) {
         return fail(fmt::format("{}: {}: give --out a folder that can be made",
                                 options.out.string(), error.message()));
 
+    const auto noteSettings = [&](BenchResult& of) {
+        Json& settings = of.report.settings;
+        settings["rounds"] = options.rounds;
+        settings["width"] = options.view.size.width;
+        settings["height"] = options.view.size.height;
+    };
     std::size_t shown = 0;
     options.rowsCame = [&](const BenchResult& soFar) -> Result<void> {
-        for (; shown < soFar.rows.size(); ++shown) printRow(*bench, soFar.rows[shown]);
+        for (; shown < soFar.rows.size(); ++shown)
+            fmt::print("{}\n", rowText(*bench, soFar.rows[shown]));
         std::fflush(stdout);
         BenchResult unfinished = soFar;
         unfinished.bars = bench->bars(soFar.rows);
-        const auto written = writeResult(name, options, unfinished);
+        noteSettings(unfinished);
+        const auto written = writeResult(*bench, unfinished, options.out);
         return written ? Result<void>() : tl::unexpected(written.error());
     };
     auto result = bench->run(options);
     if (!result) return tl::unexpected(result.error());
     result->bars = bench->bars(result->rows);
-    const auto all = writeResult(name, options, *result);
-    if (!all) return all;
-
-    for (const auto& [measures, keys] : bench->tables) printRows(result->rows, measures, keys);
-    printBars(result->bars);
-    fmt::print("\n");
+    noteSettings(*result);
+    const auto written = writeResult(*bench, *result, options.out);
+    if (!written) return tl::unexpected(written.error());
+    fmt::print("\n{}\n", resultText(*bench, *written));
     for (const fs::path& file : result->files) fmt::print("wrote {}\n", file.string());
-    fmt::print("wrote {}\nwrote {}\n", (options.out / (name + ".csv")).string(),
-               (options.out / (name + ".json")).string());
-    return all;
+    fmt::print("wrote {0}.csv\nwrote {0}.json\n", (options.out / name).string());
+    return *written;
 }
 
 Result<OpenCase> openCase(const BenchCase& what, const BenchOptions& options) {
@@ -258,38 +177,24 @@ double numberOrInfinity(const Json& row, const char* key) {
     return value.is_null() ? std::numeric_limits<double>::infinity() : value.get<double>();
 }
 
-std::string csvOf(const Json& rows) {
-    std::vector<std::string> keys;
-    for (const Json& row : rows)
-        for (const auto& [key, value] : row.items())
-            if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
-    std::string text;
-    for (const std::string& key : keys) text += (text.empty() ? "" : ",") + csvCell(Json(key));
-    text += '\n';
-    for (const Json& row : rows) {
-        for (std::size_t i = 0; i < keys.size(); ++i) {
-            if (i > 0) text += ',';
-            if (const auto found = row.find(keys[i]); found != row.end()) text += csvCell(*found);
-        }
-        text += '\n';
-    }
-    return text;
-}
-
 void addBench(CLI::App& app, int& exitCode) {
     auto o = std::make_shared<BenchOptions>();
     auto name = std::make_shared<std::string>();
     auto quick = std::make_shared<bool>(false);
     CLI::App* command = app.add_subcommand(
         "bench", "measure one figure or table; `lodestar bench list` names them");
-    std::vector<std::string> names{"list"};
+    std::vector<std::string> names{"list", "all"};
     for (const Bench& bench : benches()) names.push_back(bench.name);
     command
-        ->add_option("NAME", *name, "list, or the bench to run (`lodestar bench list` names them)")
+        ->add_option("NAME", *name,
+                     "list, all, or the bench to run (`lodestar bench list` names them)")
         ->type_name("")
         ->required()
         ->check(CLI::IsMember(names));
-    command->add_option("--out", o->out, "folder for NAME.json, NAME.csv and pictures")
+    command
+        ->add_option("--out", o->out,
+                     "folder for NAME.json, NAME.csv and pictures, and for results.json and "
+                     "results.md: the newest run there of each bench")
         ->type_name("DIR");
     command->add_flag("--quick", *quick,
                       "under a minute: builtin:columns at 160x90, few rounds, same columns");
@@ -345,17 +250,15 @@ void addBench(CLI::App& app, int& exitCode) {
             if (rounds->count() > 0) o->rounds = asked.rounds;
             if (frames->count() > 0) o->frames = asked.frames;
         }
-        if (const Bench& bench = *findBench(*name); !*quick && (bench.onCpu || bench.onGpu)) {
-            const bool cpu = gpu::Device(o->device).description().type == "Cpu";
-            const Scope scope = (cpu ? bench.onCpu : bench.onGpu)
-                                    .value_or(Scope{o->view.size, o->rounds, o->frames});
-            o->everySize = !cpu && command->count("--size") == 0;
-            if (command->count("--size") == 0) o->view.size = scope.size;
-            if (rounds->count() == 0) o->rounds = scope.rounds;
-            if (frames->count() == 0) o->frames = scope.frames;
+        exitCode = kExitOk;
+        for (const Bench& bench : benches()) {
+            if (*name != "all" && *name != bench.name) continue;
+            if (*name == "all") fmt::print("\n# {}: {}\n\n", bench.name, bench.what);
+            const auto done = runBench(bench.name, *quick ? *o : scoped(bench, *o, *command));
+            // One that fails, for want of a scene say, does not keep the others from running.
+            const int code = finish(done ? Result<void>() : tl::unexpected(done.error()));
+            if (code != kExitOk) exitCode = code;
         }
-        const auto done = runBench(*name, *o);
-        exitCode = finish(done ? Result<void>() : tl::unexpected(done.error()));
     });
 }
 

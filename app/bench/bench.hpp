@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -105,6 +106,15 @@ struct OpenCase {
 };
 /// Opens it, and says so on standard output.
 Result<OpenCase> openCase(const BenchCase&, const BenchOptions&);
+/// Calls `render`, which gives gpu::FrameTimes, twice at least and until the device has worked for
+/// 0.2 s: one that was idle has turned its clock down, and takes tens of milliseconds to turn it up
+/// again.
+template <typename Render>
+void warmUp(const Render& render) {
+    constexpr double kBusyMs = 200;
+    double busy = 0;
+    for (int i = 0; i < 2 || busy < kBusyMs; ++i) busy += std::max(render().wallMs, 0.01);
+}
 /// `scene` as a part of a file name: "a/sponza.glb" → "sponza", "builtin:columns" → "columns".
 std::string sceneSlug(const std::string& scene);
 /// JSON has no infinity and no NaN: both become null.

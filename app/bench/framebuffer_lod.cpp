@@ -152,6 +152,7 @@ Result<void> measureScene(const PaperScene& paper, const BenchCase& what,
                 {.way = &way, .rate = rate, .repair = way.repair ? repairCap(share, rate) : 0});
     Progress bar("measuring", static_cast<std::size_t>(options.rounds + kWarmUp) * all.size());
     std::size_t done = 0;
+    warmUp([&] { return frames.bilateral.render(camera, {}); });
     for (int round = -kWarmUp; round < options.rounds; ++round)
         for (Measured& m : all) {
             frame::Frame& frame = frames.of(m.way ? m.way->reconstruct : Reconstruct::bilateral);

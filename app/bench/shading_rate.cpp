@@ -170,6 +170,7 @@ Result<void> measureScene(const BenchCase& what, const BenchOptions& options, Be
     Progress bar("measuring",
                  static_cast<std::size_t>(options.rounds + kWarmUp) * (methods.size() + 2));
     std::size_t done = 0;
+    warmUp([&] { return bilateral.render(camera, {}); });
     for (int round = -kWarmUp; round < options.rounds; ++round) {
         for (Method& method : methods) {
             method.render(camera, round >= 0);

@@ -375,7 +375,7 @@ Bench temporalBench() {
                     {"scene", "path", "s", "method", "frame_ms", "joining_ms", "psnr_db",
                      "supersampled_psnr_db", "native_supersampled_psnr_db", "best_spatial_psnr_db",
                      "flicker", "uncovered_pixels", "uncovered_error_ratio"}}},
-        .onCpu = Scope{{480, 270}, 1, 20},
+        .onCpu = Scope{{384, 216}, 1, 20},
         .onGpu = Scope{{1280, 720}, 1, 40}};
 }
 

@@ -154,27 +154,13 @@ void main() {
     }
     for (uint i = thread; i < mixedCount; i += gl_NumWorkGroups.x * 64) {
         const uint at = mixed[i];
-        const Head head = loadHead(at);
-        uvec2 mask = uvec2(samples >= 32 ? 0xffffffffu : (1u << (samples & 31)) - 1,
-                           samples == 64 ? 0xffffffffu : 0);
-        bool last = false;
-        for (uint k = head.list; !last; k += kNodeWords) {
-            const Node node = loadNode(k);
-            mask &= ~node.mask;
-            last = (node.id & LS_LAST_NODE) != 0;
-        }
-        uint id = head.id, next = head.list;
-        last = false;
-        for (;;) {
+        const List list = loadList(loadHead(at));
+        for (uint k = 0; k < list.count; ++k) {
+            const uint id = listedId(list, k);
+            uvec2 mask = listedMask(list, k);
             while (id == 0 && (mask.x | mask.y) != 0) writeBackground(sampleAt(at, take(mask)));
             const Source source = loadSource(id);
             while ((mask.x | mask.y) != 0) shade(source, sampleAt(at, take(mask)));
-            if (last) break;
-            const Node node = loadNode(next);
-            id = node.id & ~LS_LAST_NODE;
-            mask = node.mask;
-            last = (node.id & LS_LAST_NODE) != 0;
-            next += kNodeWords;
         }
     }
 }

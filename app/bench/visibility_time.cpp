@@ -70,6 +70,7 @@ Result<void> measure(const VisibilitySubject& subject, const NamedSize& size,
     const int rounds = size.width > 3840 ? std::min(options.rounds, 3) : options.rounds;
     Progress bar(fmt::format("{} {}", subject.name, size.name),
                  static_cast<std::size_t>(rounds + kWarmUp));
+    warmUp([&] { return reference.render(subject.camera, aspect); });
     for (int round = -kWarmUp; round < rounds; ++round) {
         for (std::size_t i = 0; i < ours.size(); ++i) {
             const gpu::FrameTimes t = ours[i].second->render(subject.camera, aspect);

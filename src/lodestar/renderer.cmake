@@ -49,6 +49,7 @@ add_library(lodestar STATIC
     frame/frame.cpp
     frame/frame_samples.cpp
     frame/frame_setup.cpp
+    frame/eye_capture.cpp
     frame/light_maps.cpp
     frame/motion_tracker.cpp
     frame/post_chain.cpp
@@ -70,6 +71,8 @@ lodestar_shaders(lodestar
     geometry/cull_triangles.comp
     geometry/emit.comp
     geometry/hiz.comp
+    geometry/hiz_halve.comp
+    geometry/hiz_words.comp
     geometry/list_chunks.comp
     geometry/scan_blocks.comp
     geometry/tessellate_list.comp
@@ -79,6 +82,7 @@ lodestar_shaders(lodestar
     geometry/show_lods.comp
     visibility/capture_args.comp
     visibility/capture_clip.comp
+    visibility/capture_ids.comp
     visibility/capture_small.comp
     visibility/capture_split.comp
     visibility/capture_tile.comp

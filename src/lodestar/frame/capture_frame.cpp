@@ -32,6 +32,13 @@ CaptureBackend usedBackend(const gpu::Device& device, const scene::GpuScene& sce
     return s.backend;
 }
 
+/// What is off by so many pixels of grid B is off by `side` times as many samples.
+geometry::LodChoice sampleLod(const CaptureSettings& s) {
+    geometry::LodChoice lod = s.lod.value_or(geometry::LodChoice{});
+    lod.errorPx *= static_cast<float>(s.side);
+    return lod;
+}
+
 /// Bytes that a row of grid B takes while its band is captured and compacted.
 std::uint64_t rowBytes(CaptureBackend backend, const CaptureSettings& s) {
     const std::uint64_t samples = std::uint64_t{s.base.width} * s.side * s.side;
@@ -94,9 +101,10 @@ CaptureBackend chooseBackend(const gpu::Device& device, const scene::GpuScene& s
     gpu::Recorder rec(device);
     rec.begin();
     cull.record(rec, scene,
-                {camera.clipFromView(aspect) * camera.viewFromWorld(),
-                 camera.eye,
-                 {s.base.width * s.side, s.base.height * s.side}},
+                {.clipFromWorld = camera.clipFromView(aspect) * camera.viewFromWorld(),
+                 .eye = camera.eye,
+                 .size = {s.base.width * s.side, s.base.height * s.side},
+                 .lod = sampleLod(s)},
                 list);
     rec.submit();
     const auto draws = gpu::as<vk::DrawIndirectCommand>(
@@ -115,10 +123,19 @@ CaptureFrame::CaptureFrame(const gpu::Device& owner, const scene::GpuScene& gpuS
       bandRows(chooseRows(owner, gpuScene, used, s)),
       transient(owner.allocatedBytes()),
       cull(owner),
-      list(owner, gpuScene, "capture", scene::TablePart::whole),
+      draws(owner, gpuScene, "capture", s.lod ? scene::TablePart::eye : scene::TablePart::whole),
       implementation([&] {
           transient = owner.allocatedBytes();  // the list is what is drawn, not how it is captured
-          return makeBackend();
+          auto made = std::make_optional(makeBackend());
+          const double took = static_cast<double>(owner.allocatedBytes() - transient);
+          // Drivers align what images take, more than can be known before.
+          if (const double room = static_cast<double>(s.transientBytes);
+              s.bandRows == 0 && took > room) {
+              made.reset();
+              bandRows = std::max(static_cast<std::uint32_t>(bandRows * room / took), 1u);
+              made.emplace(makeBackend());
+          }
+          return std::move(*made);
       }()),
       compactPass(owner, s.side),
       scratch(owner, s.base.width * bandRows),
@@ -162,47 +179,63 @@ void CaptureFrame::record(gpu::Recorder& recorder, const scene::Camera& camera) 
     }
 }
 
-void CaptureFrame::recordBand(gpu::Recorder& r, const Band& band, const glm::mat4& clipFromWorld,
-                              glm::vec3 eye) {
-    // Culling sees the band as a picture of its own; multisampling draws a pixel more around it.
-    const std::uint32_t margin = used == CaptureBackend::multisample ? 1 : 0;
-    const auto height = static_cast<float>(settings.base.height);
-    const auto rows = static_cast<float>(band.rows + 2 * margin);
-    const auto width = static_cast<float>(settings.base.width);
-    const float widened = width + static_cast<float>(2 * margin);
-    const float middle = static_cast<float>(2 * band.firstRow + band.rows) - height;
-    glm::mat4 bandFromClip(1);
-    bandFromClip[0][0] = width / widened;
-    bandFromClip[1][1] = height / rows;
-    bandFromClip[3][1] = -middle / rows;
-    const vk::Extent2D cullSize{(settings.base.width + 2 * margin) * settings.side,
-                                (band.rows + 2 * margin) * settings.side};
+/// The triangles that a band may show, or, where levels of detail are chosen, the picture: what
+/// stands for a mesh must be the same in all bands.
+void CaptureFrame::listTriangles(gpu::Recorder& r, const Band& band, const glm::mat4& clipFromWorld,
+                                 glm::vec3 eye) {
+    if (settings.lod && band.index > 0) return;
     if (band.index > 0) {  // the previous band's readers are done with the list
         r.barrier(Stage::raster, Stage::compute);
         r.barrier(Stage::compute, Stage::compute);
     }
-    cull.record(r, *scene, {bandFromClip * clipFromWorld, eye, cullSize}, list);
+    // Culling sees the band as a picture of its own; multisampling draws a pixel more around it.
+    const std::uint32_t margin = used == CaptureBackend::multisample ? 1 : 0;
+    const std::uint32_t first = settings.lod ? 0 : band.firstRow;
+    const std::uint32_t bandHeight = settings.lod ? settings.base.height : band.rows;
+    const auto height = static_cast<float>(settings.base.height);
+    const auto rows = static_cast<float>(bandHeight + 2 * margin);
+    const auto width = static_cast<float>(settings.base.width);
+    const float widened = width + static_cast<float>(2 * margin);
+    const float middle = static_cast<float>(2 * first + bandHeight) - height;
+    glm::mat4 bandFromClip(1);
+    bandFromClip[0][0] = width / widened;
+    bandFromClip[1][1] = height / rows;
+    bandFromClip[3][1] = -middle / rows;
+    cull.record(r, *scene,
+                {.clipFromWorld = bandFromClip * clipFromWorld,
+                 .eye = eye,
+                 .size = {(settings.base.width + 2 * margin) * settings.side,
+                          (bandHeight + 2 * margin) * settings.side},
+                 .lod = sampleLod(settings)},
+                draws);
     r.barrier(Stage::compute, Stage::raster);
     r.barrier(Stage::compute, Stage::compute);
     r.barrier(Stage::compute, Stage::indirect);
+}
 
+void CaptureFrame::recordBand(gpu::Recorder& r, const Band& band, const glm::mat4& clipFromWorld,
+                              glm::vec3 eye) {
+    listTriangles(r, band, clipFromWorld, eye);
     visibility::Samples samples;
     if (auto* ss = std::get_if<Supersample>(&implementation)) {
         const vk::Viewport whole{.y = -static_cast<float>(band.firstRow * settings.side),
                                  .width = static_cast<float>(gridC().width),
                                  .height = static_cast<float>(gridC().height),
                                  .maxDepth = 1};
-        ss->pass.record(r, *scene, list, clipFromWorld, {ss->ids, ss->depth, whole}, "capture");
+        ss->pass.record(r, *scene, draws, clipFromWorld, {ss->ids, ss->depth, whole}, "capture");
         r.barrier(Stage::raster, Stage::compute);
         samples.ids = &ss->ids;
     } else if (auto* ms = std::get_if<Multisample>(&implementation)) {
-        ms->pass.record(r, *scene, list, clipFromWorld, settings.base, band, ms->scratch);
+        ms->pass.record(r, *scene, draws, clipFromWorld, settings.base, band, ms->scratch);
         samples.ids = &ms->scratch.ids;
     } else {
         auto& compute = std::get<Compute>(implementation);
         if (band.index > 0) r.barrier(Stage::compute, Stage::transfer);
-        compute.pass.record(r, *scene, list, clipFromWorld, gridC(), band.firstRow * settings.side,
-                            band.rows * settings.side, compute.scratch);
+        compute.pass.record(r, *scene, draws, clipFromWorld,
+                            {.gridC = gridC(),
+                             .firstRow = band.firstRow * settings.side,
+                             .rows = band.rows * settings.side},
+                            compute.scratch, geometry::DrawPhase::first);
         samples.words = &compute.scratch.words;
     }
     compactPass.record(r, samples, band, scratch, out);

@@ -27,6 +27,9 @@ struct CaptureSettings {
     std::uint64_t transientBytes = 280ull << 20;
     std::uint32_t words = 0;     ///< first size of the pool of lists; 0 = chosen
     std::uint32_t bandRows = 0;  ///< rows of grid B a band; 0 = as many as fit
+    /// With levels of detail, whose errors are in pixels of grid B, ids hold for this frame alone.
+    /// Without, for the scene: what a stream needs.
+    std::optional<geometry::LodChoice> lod = std::nullopt;
 };
 
 /// The rule of CaptureBackend::automatic: compute where a triangle of the view covers few samples,
@@ -67,7 +70,7 @@ public:
     std::uint32_t bands() const { return out.bands; }
     /// What exists only during a capture [bytes].
     std::uint64_t transientBytes() const { return transient; }
-    const geometry::DrawList& drawList() const { return list; }
+    const geometry::DrawList& drawList() const { return draws; }
 
 private:
     struct Supersample {
@@ -84,6 +87,8 @@ private:
     };
     using Backend = std::variant<Supersample, Multisample, Compute>;
     Backend makeBackend() const;
+    void listTriangles(gpu::Recorder&, const visibility::Band&, const glm::mat4& clipFromWorld,
+                       glm::vec3 eye);
     void recordBand(gpu::Recorder&, const visibility::Band&, const glm::mat4& clipFromWorld,
                     glm::vec3 eye);
 
@@ -95,7 +100,7 @@ private:
     std::uint64_t transient = 0;
 
     geometry::Cull cull;
-    geometry::DrawList list;
+    geometry::DrawList draws;
     Backend implementation;
     visibility::Compact compactPass;
     visibility::Compact::Scratch scratch;

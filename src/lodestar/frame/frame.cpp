@@ -88,10 +88,8 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
 gpu::FrameTimes Frame::renderOutside(const scene::Camera& outside) {
     if (samples) throw std::logic_error("Frame::renderOutside needs captureSide 1");
     begin(outside, {}, scale::TemporalMode::off);
-    rec.barrier(Stage::compute, Stage::raster);
-    capture.record(rec, *scene, eyeList, clipFromWorld(outside), {ids(), part(depthBuffer, live)},
-                   "capture");
-    rec.barrier(Stage::raster, Stage::compute);
+    capture.record(rec, *scene, eyeList, clipFromWorld(outside), ids(), "capture",
+                   geometry::DrawPhase::both);
     reset();  // the targets show another view now
     shade({});
     if (options.showLods) {
@@ -277,26 +275,22 @@ glm::mat4 Frame::clipFromWorld(const scene::Camera& camera) const {
 /// then what that, drawn, does not hide of the rest. The next frame starts from the whole picture:
 /// after a cut the first phase draws next to nothing, and what that hides is next to nothing too.
 void Frame::findVisible(const geometry::CullView& view) {
-    using Phase = visibility::CaptureSs::Phase;
-    const visibility::CaptureSs::Target target{ids(), part(depthBuffer, live)};
+    using Phase = geometry::DrawPhase;
     const auto draw = [&](const char* name, Phase phase) {
-        rec.barrier(Stage::compute, Stage::raster);
-        rec.barrier(Stage::compute, Stage::indirect);
-        capture.record(rec, *scene, eyeList, view.clipFromWorld, target, name, phase);
-        rec.barrier(Stage::raster, Stage::compute);
+        capture.record(rec, *scene, eyeList, view.clipFromWorld, ids(), name, phase);
     };
     tessellate.record(rec, *scene, view);
     if (view.cull != geometry::CullMode::hiz) {
         cull.record(rec, *scene, view, eyeList);
-        draw("capture", Phase::both);
+        draw("capture", Phase::first);
         return;
     }
     cull.recordFirst(rec, *scene, view, eyeList, hiz);
     draw("capture", Phase::first);
-    hiz.record(rec, part(depthBuffer, live), view.clipFromWorld);
+    capture.recordHiZ(rec, live, view.clipFromWorld, hiz);
     cull.recordSecond(rec, *scene, eyeList, hiz);
     draw("capture rest", Phase::second);
-    hiz.record(rec, part(depthBuffer, live), view.clipFromWorld);
+    capture.recordHiZ(rec, live, view.clipFromWorld, hiz);
 }
 
 void Frame::evaluateTerms(const budget::Levers& levers) {

@@ -8,6 +8,7 @@
 #include <lodestar/budget/levers.hpp>
 #include <lodestar/frame/blended_layer.hpp>
 #include <lodestar/frame/capture_frame.hpp>
+#include <lodestar/frame/eye_capture.hpp>
 #include <lodestar/frame/light_maps.hpp>
 #include <lodestar/frame/motion_tracker.hpp>
 #include <lodestar/frame/post_settings.hpp>
@@ -24,7 +25,6 @@
 #include <lodestar/shading/sky.hpp>
 #include <lodestar/upsample/pack_coarse.hpp>
 #include <lodestar/upsample/upsample.hpp>
-#include <lodestar/visibility/capture_ss.hpp>
 #include <lodestar/visibility/expand.hpp>
 #include <lodestar/visibility/fragments.hpp>
 #include <lodestar/visibility/rebuild.hpp>
@@ -73,7 +73,7 @@ struct FrameSettings {
     /// s, 1, 2, 4 or 8: above 1 render() captures s² samples a pixel and blends what they show, the
     /// finest level of detail at full shading rate.
     std::uint32_t captureSide = 1;
-    CaptureBackend capture = CaptureBackend::automatic;  ///< above 1
+    CaptureBackend capture = CaptureBackend::automatic;  ///< multisample only above 1
 };
 
 /// The whole frame: owns the targets, composes the passes.
@@ -211,7 +211,7 @@ private:
     geometry::Tessellate tessellate;
     geometry::Cull cull;
     geometry::ShowLods showLods;
-    visibility::CaptureSs capture;
+    EyeCapture capture;
     visibility::Rebuild rebuildPass;
     shading::Coarse coarse;
     upsample::Upsample upsample;
@@ -229,7 +229,7 @@ private:
     bool listHolds = false;  ///< whether the last frame filled the list
     bool refines = false;    ///< whether it had a local rate
     gpu::Buffer viewBuffer, lightBuffer;
-    gpu::Image idImage, depthBuffer, skyImage, coarseImage, termImage, radianceImage, shownImage,
+    gpu::Image idImage, skyImage, coarseImage, termImage, radianceImage, shownImage,
         displayImage;
     visibility::Surface surfaces;
 

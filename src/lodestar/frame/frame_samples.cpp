@@ -18,7 +18,10 @@ using Usage = vk::ImageUsageFlagBits;
 gpu::FrameTimes Frame::renderSamples(const scene::Camera& camera, const budget::Levers& levers) {
     if (!samples) {
         CaptureSettings settings{
-            .base = options.size, .side = options.captureSide, .backend = options.capture};
+            .base = options.size,
+            .side = options.captureSide,
+            .backend = options.capture,
+            .lod = options.lod};
         if (options.capture == CaptureBackend::automatic)
             settings.backend = chooseBackend(*device, *scene, settings, camera);
         samples.emplace(*device, *scene, settings);

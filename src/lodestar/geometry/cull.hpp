@@ -36,6 +36,9 @@ struct CullView {
     float wavePx = 0;
 };
 
+/// Which of the draws of a list: those of its first phase, those of its second, or both.
+enum class DrawPhase { both, first, second };
+
 /// The triangles of one view, ready to draw: their ids in cluster order, and one
 /// indirect draw a phase and bin. Deterministic: the same view gives the same bytes.
 struct DrawList {

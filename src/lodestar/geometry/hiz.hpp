@@ -17,6 +17,10 @@ public:
     /// another than the picture's: the pyramid stays of the picture's, so that a change of scale
     /// loses nothing. Visible to compute; it is written by compute.
     void record(gpu::Recorder&, gpu::View depth, const glm::mat4& clipFromWorld);
+    /// The same of a picture of `size` that was captured in compute: RG32_UINT words, row by row,
+    /// the second the bits of the depth.
+    void record(gpu::Recorder&, const gpu::TexelBuffer& words, vk::Extent2D size,
+                const glm::mat4& clipFromWorld);
     /// Forgets the picture: nothing hides anything until the next record().
     void reset() { built = false; }
 
@@ -32,10 +36,15 @@ public:
     vk::Extent2D size() const { return extent; }
 
 private:
+    /// The levels: the finest by `kernel` from what `picture` binds, the others from that.
+    void recordLevels(gpu::Recorder&, const gpu::Kernel& kernel,
+                      const std::vector<gpu::Binding>& picture, vk::Extent2D size,
+                      const glm::mat4& clipFromWorld);
+
     vk::Extent2D extent;
     std::vector<Level> all;
     gpu::TexelBuffer texels;
-    gpu::Kernel first, next;
+    gpu::Kernel fromImage, fromWords, next;
     vk::raii::Sampler sampler;
     glm::mat4 seenFrom{1};
     bool built = false;

@@ -34,6 +34,7 @@ void main() {
         weights += w;
     }
     sum /= weights;
+    if (sum.a > 0.9999) return;  // nothing moves here: not even a rounding
     const vec4 sharp = imageLoad(color, pixel);
     imageStore(color, pixel, vec4(sharp.rgb * sum.a + sum.rgb, sharp.a));
 }

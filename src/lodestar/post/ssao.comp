@@ -45,7 +45,8 @@ float occlusionAt(ivec2 texel, vec3 c, vec3 n) {
             ivec2((ndc * 0.5 + 0.5) * vec2(params.grid.fullSize) / params.grid.rate));
         const float z = texelFetch(depth, at, 0).x;
         ++inside;
-        if (z <= 0) continue;
+        // The texel's own surface lies in the plane: V is nought there but for rounding.
+        if (z <= 0 || at == texel) continue;
         const vec3 v = viewPoint(at, z) - c;
         const float d2 = dot(v, v);
         sum += clamp(dot(n, v) * inversesqrt(max(d2, 1e-30)) - params.bias, 0, 1) *

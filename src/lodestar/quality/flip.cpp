@@ -8,6 +8,7 @@
 #include <lodestar/quality/checks.hpp>
 #include <lodestar/quality/metrics.hpp>
 #include <lodestar/quality/separable.hpp>
+#include <lodestar/shared/parallel.hpp>
 
 // Andersson, Nilsson, Akenine-Möller, Oskarsson, Åström, Fairchild: FLIP: A Difference Evaluator
 // for Alternating Images. Proceedings of the ACM on Computer Graphics and Interactive Techniques
@@ -261,9 +262,11 @@ ScalarImage flipMap(const RgbImage& reference, const RgbImage& test) {
     requireSameSize(reference, "reference", test, "test");
     ScalarImage map{reference.width, reference.height, {}};
     map.values.resize(std::size_t(map.width) * map.height);
-    for (int first = 0; first < map.height; first += kBandRows)
+    parallelFor(std::size_t(map.height + kBandRows - 1) / kBandRows, [&](std::size_t band) {
+        const int first = int(band) * kBandRows;
         flipRows(reference, test, first, std::min(kBandRows, map.height - first),
                  map.values.data() + std::size_t(first) * map.width);
+    });
     return map;
 }
 

@@ -1,9 +1,11 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
+#include <numeric>
 
 #include <lodestar/quality/checks.hpp>
 #include <lodestar/quality/metrics.hpp>
 #include <lodestar/quality/separable.hpp>
+#include <lodestar/shared/parallel.hpp>
 
 // Wang, Bovik, Sheikh, Simoncelli: Image quality assessment: from error visibility to structural
 // similarity. IEEE Transactions on Image Processing 13(4), 2004, equation 13.
@@ -71,12 +73,14 @@ double ssim(const RgbImage& reference, const RgbImage& test) {
         throw std::invalid_argument("reference: SSIM needs at least 11 x 11 pixels");
 
     const std::vector<double> taps = windowTaps();
-    double sum = 0;
-    for (int first = 0; first < windowsDown; first += kBandRows) {
+    std::vector<double> sums(std::size_t(windowsDown + kBandRows - 1) / kBandRows);
+    parallelFor(sums.size(), [&](std::size_t band) {
+        const int first = int(band) * kBandRows;
         const int rows = std::min(kBandRows, windowsDown - first) + 2 * kRadius;
-        sum += sumOfSimilarities(lumaOfRows(reference, first, rows), lumaOfRows(test, first, rows),
-                                 taps);
-    }
+        sums[band] = sumOfSimilarities(lumaOfRows(reference, first, rows),
+                                       lumaOfRows(test, first, rows), taps);
+    });
+    const double sum = std::accumulate(sums.begin(), sums.end(), 0.0);
     return sum / (double(windowsAcross) * windowsDown);
 }
 

@@ -1,12 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include <algorithm>
-#include <atomic>
-#include <thread>
-
 #include <fmt/format.h>
 
 #include <lodestar/scene/decode_image.hpp>
 #include <lodestar/scene/import_gltf_convert.hpp>
+#include <lodestar/shared/parallel.hpp>
 
 namespace lodestar::scene::gltf {
 
@@ -71,26 +68,7 @@ std::vector<Image> decodeImages(Document& document, const std::vector<std::size_
             refuseImage(last, fmt::format("the images add up to over {} texels", kMaxAllTexels));
     }
     std::vector<Image> results(encoded.size());
-    std::vector<std::exception_ptr> failures(encoded.size());
-    std::atomic<std::size_t> next = 0;
-    const auto work = [&] {
-        for (std::size_t i = next++; i < encoded.size(); i = next++) {
-            try {
-                results[i] = decoded(encoded[i]);
-            } catch (...) {
-                failures[i] = std::current_exception();
-            }
-        }
-    };
-    {
-        std::vector<std::jthread> helpers;
-        const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
-        for (std::size_t i = 1; i < std::min(cores, encoded.size()); ++i)
-            helpers.emplace_back(work);
-        work();
-    }
-    for (const std::exception_ptr& failure : failures)  // the first in the file's order
-        if (failure) std::rethrow_exception(failure);
+    parallelFor(encoded.size(), [&](std::size_t i) { results[i] = decoded(encoded[i]); });
     return results;
 }
 

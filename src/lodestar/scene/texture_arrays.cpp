@@ -2,18 +2,15 @@
 #include <lodestar/scene/texture_arrays.hpp>
 
 #include <algorithm>
-#include <atomic>
 #include <bit>
 #include <cstring>
-#include <exception>
 #include <limits>
 #include <map>
-#include <mutex>
 #include <stdexcept>
-#include <thread>
 #include <tuple>
 
 #include <lodestar/scene/mipmaps.hpp>
+#include <lodestar/shared/parallel.hpp>
 
 namespace lodestar::scene {
 namespace {
@@ -84,29 +81,6 @@ void mergeClasses(std::vector<SizeClass>& classes) {
         into.height = std::max(into.height, from.height);
         into.layers.insert(into.layers.end(), from.layers.begin(), from.layers.end());
     }
-}
-
-/// Runs `work(0 … count − 1)` on all cores; an exception of any reaches the caller.
-template <typename Work>
-void parallelFor(std::size_t count, const Work& work) {
-    std::atomic<std::size_t> next{0};
-    std::exception_ptr failure;
-    std::mutex failureMutex;
-    const auto run = [&] {
-        for (std::size_t i = next++; i < count; i = next++) try {
-                work(i);
-            } catch (...) {
-                const std::lock_guard lock(failureMutex);
-                failure = std::current_exception();
-                next = count;
-            }
-    };
-    std::vector<std::thread> threads;
-    const std::size_t cores = std::max(1u, std::thread::hardware_concurrency());
-    for (std::size_t i = 1; i < std::min(cores, count); ++i) threads.emplace_back(run);
-    run();
-    for (std::thread& thread : threads) thread.join();
-    if (failure) std::rethrow_exception(failure);
 }
 
 void fillLayer(TextureArray& array, std::uint32_t layer, const Image& image, const Layer& use) {

@@ -9,9 +9,10 @@ struct DrawCommand {
     uint vertexCount, instanceCount, firstVertex, firstInstance;
 };
 
-layout(binding = 0, scalar) readonly buffer Draws { DrawCommand draws[4]; };
+layout(binding = 0, scalar) readonly buffer Draws { DrawCommand draws[8]; };  // four a phase
 layout(binding = 1, scalar) writeonly buffer Opaque { CaptureQueueCounts opaque; };
 layout(binding = 2, scalar) writeonly buffer Masked { CaptureQueueCounts masked; };
+layout(push_constant) uniform Push { uint firstDraw; };
 
 CaptureQueueCounts queueOf(uint bin) {
     const uint first = draws[bin].firstVertex / 3;
@@ -29,6 +30,6 @@ CaptureQueueCounts queueOf(uint bin) {
 }
 
 void main() {
-    opaque = queueOf(0);
-    masked = queueOf(2);
+    opaque = queueOf(firstDraw);
+    masked = queueOf(firstDraw + 2);
 }

@@ -3,7 +3,8 @@
 #include "capture_compute.glsl"
 
 // One thread a triangle that crosses the near plane or reaches far beyond the picture: clips it,
-// and queues what remains as large triangles.
+// and queues what remains as large triangles. Where there were more of them than places, it looks at
+// all that are listed.
 
 const int kMost = 9;  // corners after clipping by five planes, and one spare
 vec4 polygon[kMost], next[kMost];
@@ -35,9 +36,10 @@ void clipBy(int plane) {
 }
 
 void main() {
-    for (uint at = gl_GlobalInvocationID.x; at < counts.clipped;
-         at += LS_CAPTURE_GROUP * LS_CAPTURE_LOOPS) {
-        const uint id = clipped[at];
+    const bool missing = counts.clipped > LS_CAPTURE_CLIPPED;
+    const uint count = missing ? counts.count : counts.clipped;
+    for (uint at = gl_GlobalInvocationID.x; at < count; at += LS_CAPTURE_GROUP * LS_CAPTURE_LOOPS) {
+        const uint id = missing ? texelFetch(listedIds, int(counts.first + at)).x : clipped[at];
         const GpuCluster cluster = loadCluster(id >> LS_TRIANGLE_BITS);
         const GpuInstance instance = loadInstance(cluster.instance);
         for (uint i = 0; i < 3; ++i) {
@@ -46,7 +48,7 @@ void main() {
                                    vec4(transformPoint(instance, loadVertex(vertex).position), 1);
             polygon[i] = p;
         }
-        corners = 3;
+        corners = mustClip(polygon[0], polygon[1], polygon[2]) ? 3 : 0;
         for (int plane = 0; plane < 5; ++plane) clipBy(plane);
         for (int i = 1; i + 1 < corners; ++i) {
             const vec4 a = polygon[0], b = polygon[i], c = polygon[i + 1];

@@ -44,6 +44,15 @@ ivec2 snapped(vec4 clip) {
     return ivec2(floor(at + 0.5));
 }
 
+/// Whether a triangle lies before the near plane in part (reversed depth: z > w), or beyond what the
+/// integers hold. A comparison with NaN fails.
+bool mustClip(vec4 a, vec4 b, vec4 c) {
+    const vec3 w = vec3(a.w, b.w, c.w);
+    const vec3 reach = max(abs(vec3(a.x, b.x, c.x)), abs(vec3(a.y, b.y, c.y)));
+    return !(all(lessThanEqual(vec3(a.z, b.z, c.z), w)) && all(greaterThan(w, vec3(0))) &&
+             all(lessThanEqual(reach, 2 * w)));
+}
+
 int64_t doubleArea(ivec2 a, ivec2 b, ivec2 c) {
     const ivec2 u = b - a, v = c - a;
     return int64_t(u.x) * v.y - int64_t(u.y) * v.x;

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <lodestar/visibility/capture_compute_params.h>
 #include <lodestar/geometry/cull.hpp>
 #include <lodestar/visibility/samples.hpp>
 
@@ -25,12 +26,25 @@ public:
         gpu::Buffer opaqueCounts, maskedCounts, large, jobs, clipped;
     };
 
-    /// Fills scratch.words with s·rows rows of s·w samples. `list` was culled for the band or more;
-    /// the caller has made it visible to compute and indirect. `clipFromWorld` is that of the whole
-    /// picture. Grid C has at most 16384 samples a side.
+    /// Whether the device can, for a band of this many samples.
+    static bool fits(const gpu::Device&, vk::Extent2D samples);
+
+    /// What of a picture is captured.
+    struct Grid {
+        vk::Extent2D gridC;           ///< of the whole picture: at most 16384 samples a side
+        std::uint32_t firstRow = 0;   ///< of the band
+        std::uint32_t rows = 0;       ///< of the band; 0 = all of them
+        std::string name = "capture";  ///< of the pass
+    };
+    /// Fills scratch.words, a row of the band after the other; the second phase adds to what the
+    /// first left there. `list` was culled for the band or more; the caller has made it visible to
+    /// compute and indirect. `clipFromWorld` is that of the whole picture.
     void record(gpu::Recorder&, const scene::GpuScene&, const geometry::DrawList& list,
-                const glm::mat4& clipFromWorld, vk::Extent2D gridC, std::uint32_t firstRow,
-                std::uint32_t rows, const Scratch&) const;
+                const glm::mat4& clipFromWorld, const Grid&, const Scratch&,
+                geometry::DrawPhase = geometry::DrawPhase::both) const;
+    /// Ids alone, of a picture that was captured as one band: R32_UINT, storage. Opens its own
+    /// pass.
+    void recordIds(gpu::Recorder&, const Scratch&, gpu::View ids) const;
 
 private:
     struct Queue {
@@ -38,8 +52,12 @@ private:
     };
     static Queue makeQueue(const gpu::Device&, const scene::SceneFeatures&, bool masked);
 
+    void recordPhase(gpu::Recorder&, const scene::GpuScene&, const geometry::DrawList&,
+                     const shared::CaptureComputeParams&, const Scratch&,
+                     std::uint32_t phase) const;
+
     vk::raii::Sampler sampler;
-    gpu::Kernel args;
+    gpu::Kernel args, ids;
     Queue opaque, masked;
 };
 

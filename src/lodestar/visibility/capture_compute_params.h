@@ -8,6 +8,7 @@ const uint LS_CAPTURE_GROUP = 64;     // threads of a workgroup
 const uint LS_CAPTURE_TILE = 64;      // samples a side of a tile of grid C
 const uint LS_CAPTURE_LARGE = 65536;  // room for large triangles
 const uint LS_CAPTURE_JOBS = 262144;  // room for tiles of large triangles
+const uint LS_CAPTURE_CLIPPED = 262144;  // room for triangles to clip
 const uint LS_CAPTURE_LOOPS = 256;    // workgroups that share a queue of unknown length
 
 struct CaptureComputeParams {

@@ -24,12 +24,11 @@ void main() {
     precise const vec4 c = params.clipFromWorld *
                            vec4(transformPoint(instance, loadVertex(corners.z).position), 1);
 
-    // Before the near plane (reversed depth: z > w), or beyond what the integers hold?
-    const vec3 w = vec3(a.w, b.w, c.w);
-    const vec3 reach = max(abs(vec3(a.x, b.x, c.x)), abs(vec3(a.y, b.y, c.y)));
-    const bool clip = any(greaterThan(vec3(a.z, b.z, c.z), w)) || any(lessThanEqual(w, vec3(0))) ||
-                      any(greaterThan(reach, 2 * w));
-    if (listed && clip) clipped[atomicAdd(counts.clipped, 1)] = id;
+    const bool clip = mustClip(a, b, c);
+    if (listed && clip) {
+        const uint slot = atomicAdd(counts.clipped, 1);
+        if (slot < LS_CAPTURE_CLIPPED) clipped[slot] = id;
+    }
 
     const bool usable = listed && !clip;
     CaptureLarge t = CaptureLarge(ivec2(0), ivec2(0), ivec2(0), vec3(0), id);

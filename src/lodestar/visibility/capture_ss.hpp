@@ -22,8 +22,7 @@ public:
         /// Of the whole picture, where the target holds only some rows of it.
         std::optional<vk::Viewport> viewport = {};
     };
-    /// Which of the draws of a list: those of its first phase, those of its second, or both.
-    enum class Phase { both, first, second };
+    using Phase = geometry::DrawPhase;
     /// Clears the target (but keeps it for the second phase) and draws `list`, whose contents the
     /// caller has made visible to raster and indirect.
     void record(gpu::Recorder&, const scene::GpuScene&, const geometry::DrawList& list,

@@ -20,7 +20,8 @@ layout(binding = 5, scalar) buffer Totals { uint totals[]; };
 layout(push_constant, scalar) uniform Push { CompactVisibilityParams params; };
 
 const uint kSamples = kSide * kSide;
-const uint kNodeWords = kSide == 8 ? 3 : 2;
+const uint kMaskWords = kSide == 8 ? 2 : 1;
+const uint kMostPlanes = 6;
 const uint kNoId = 0xffffffffu;
 
 uvec2 pixel;  // of the band
@@ -95,37 +96,50 @@ void countWords(uint at, uint headAt) {
         ++distinct;
     }
     heads[headAt] = best;
-    counts[at] = mixed ? 1 + kNodeWords * (distinct - 1) : 0;
+    counts[at] = mixed ? distinct + kMaskWords * (uint(findMSB(distinct - 1)) + 1) : 0;
 }
 
-void writeNode(inout uint to, uint end, uint id, uvec2 mask) {
-    lists[to] = id | (to + kNodeWords == end ? LS_LAST_NODE : 0);
-    lists[to + 1] = mask.x;
-    if (kNodeWords == 3) lists[to + 2] = mask.y;
-    to += kNodeWords;
+// The list being written: its planes so far, and where the next id goes.
+uvec2 planes[kMostPlanes];
+uint number, to;
+
+void writeId(uint id, uvec2 mask) {
+    lists[to++] = id;
+    for (uint i = 0; i < kMostPlanes; ++i)
+        if ((number >> i & 1) != 0) planes[i] |= mask;
+    ++number;
 }
 
 void writeList(uint at, uint headAt) {
     const uint before = totals[params.band];
     const uint begin = before + counts[at], end = before + counts[at + 1];
-    const bool mixed = begin != end;
     // What does not fit is not written; the host sees the total and captures again.
-    const bool fits = end <= params.capacity;
+    const bool writes = begin != end && end <= params.capacity;
     const uint representative = heads[headAt];
-    if (mixed && fits) {
-        heads[headAt] = LS_HEAD_LIST | begin;
-        lists[begin] = representative;
-    }
-    uint to = begin + 1;
-    fillSlots(mixed && fits);
-    for (uint i = 0; i < (mixed && fits ? 4 : 0); ++i) {
+    if (writes) heads[headAt] = LS_HEAD_LIST | begin;
+    for (uint i = 0; i < kMostPlanes; ++i) planes[i] = uvec2(0);
+    number = 0;
+    to = begin;
+    if (writes) writeId(representative, uvec2(0));
+    fillSlots(writes);
+    uint last = 0;
+    for (uint i = 0; i < (writes ? 4 : 0); ++i) {
         if (slots[i] == kNoId || slots[i] == representative) continue;
-        writeNode(to, end, slots[i], uvec2(low[i], high[i]));
+        last = slots[i];
+        writeId(last, uvec2(low[i], high[i]));
     }
     while ((rest.x | rest.y) != 0) {
         uvec2 mask;
         const uint id = takeFromRest(mask);
-        if (id != representative) writeNode(to, end, id, mask);
+        if (id == representative) continue;
+        last = id;
+        writeId(id, mask);
+    }
+    if (!writes) return;
+    lists[to - 1] = last | LS_LAST_NODE;
+    for (uint i = 0; to < end; ++i) {
+        lists[to++] = planes[i].x;
+        if (kMaskWords == 2) lists[to++] = planes[i].y;
     }
 }
 

@@ -66,14 +66,9 @@ void main() {
     const uint sample_ = uint(inside.y) * kSide + uint(inside.x);
     const Head head = headOf(owner);
 
-    // Loops without iterations, rather than branches, for pixels without a list: some drivers run
-    // both sides of a branch.
-    uint seen = head.id;
-    for (uint i = head.list; head.listed; i += kNodeWords) {
-        const Node node = loadNode(i);
-        if (shows(node, sample_)) seen = node.id & ~LS_LAST_NODE;
-        if ((node.id & LS_LAST_NODE) != 0) break;
-    }
+    const List list = loadList(head);
+    const uint listed = listedId(list, shownBy(list, sample_));
+    uint seen = head.listed ? listed : head.id;
     if (kMode == 1) {
         // The pixels that own the samples around the point: what covers it is listed there.
         const ivec2 from = clamp(ivec2(floor(samples - kReach)), ivec2(0), gridC - 1) / int(kSide);
@@ -92,11 +87,12 @@ void main() {
                 const Head other = headOf(ivec2(x, y));
                 background = background || other.id == 0;
                 meet(other.id, seen, ndc, hit);
-                for (uint i = other.list; other.listed; i += kNodeWords) {
-                    const uint listed = loadNode(i).id, id = listed & ~LS_LAST_NODE;
+                // No iterations without a list, rather than a branch: see loadList().
+                for (uint i = other.list + 1; other.listed; ++i) {
+                    const uint word = loadListed(i), id = word & ~LS_LAST_NODE;
                     background = background || id == 0;
                     meet(id, seen, ndc, hit);
-                    if (listed != id) break;
+                    if (word != id) break;
                 }
             }
         // Nothing listed is there: the background if it is listed, else what the sample saw.

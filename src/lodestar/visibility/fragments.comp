@@ -5,7 +5,6 @@ layout(constant_id = 0) const uint kSide = 8;
 #define LS_HEADS_BINDING 0
 #define LS_LISTS_BINDING 1
 #include "record.glsl"
-#include "coverage.glsl"
 
 // The main fragment of each pixel of grid B, one thread a pixel: its representative, at the centroid
 // of its samples. Pixels that list more are listed in turn.
@@ -22,15 +21,9 @@ void main() {
     if (any(greaterThanEqual(pixel, params.base))) return;
     const uint at = pixel.y * params.base.x + pixel.x;
     const Head head = loadHead(at);
-    // A loop without iterations for pixels without a list: some drivers run both sides of a branch.
-    uvec2 others = uvec2(0);
-    for (uint i = head.list; head.listed; i += kNodeWords) {
-        const Node node = loadNode(i);
-        others |= node.mask;
-        if ((node.id & LS_LAST_NODE) != 0) break;
-    }
+    const List list = loadList(head);
     if (head.listed) mixed[atomicAdd(counts.mixed, 1)] = at;
-    const vec2 inside = head.listed ? centroidOf(kAllSamples & ~others) : vec2(0.5);
+    const vec2 inside = head.listed ? centroidOf(listedMask(list, 0)) : vec2(0.5);
     imageStore(outIds, ivec2(pixel), uvec4(head.id));
     imageStore(outPoints, ivec2(pixel),
                vec4((vec2(pixel) + inside) / vec2(params.base) * 2 - 1, 0, 0));

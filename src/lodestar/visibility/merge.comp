@@ -7,7 +7,6 @@ layout(constant_id = 0) const uint kSide = 8;
 #define LS_HEADS_BINDING 6
 #define LS_LISTS_BINDING 7
 #include "record.glsl"
-#include "coverage.glsl"
 
 // Blends the surfaces of each mixed pixel by their samples. A triangle that continues the surface of
 // main fragments nearby, of this pixel or its neighbours, takes their radiance; what is left is
@@ -89,26 +88,21 @@ vec2 ndcOf(vec2 place) { return place / vec2(params.base) * 2 - 1; }
 
 void blend(uint at) {
     const ivec2 pixel = ivec2(at % params.base.x, at / params.base.x);
-    const Head head = loadHead(at);
-    vec4 sum = vec4(0);
-    uvec2 others = uvec2(0), left = uvec2(0);  // samples; nodes to be shaded, by their number
-    uint number = 0;
-    bool last = false;
-    for (uint i = head.list; !last; i += kNodeWords) {
-        const Node node = loadNode(i);
-        last = (node.id & LS_LAST_NODE) != 0;
-        const vec2 place = vec2(pixel) + centroidOf(node.mask);
+    const List list = loadList(loadHead(at));
+    // The main fragment has the first mask.
+    vec4 sum = float(samplesOf(listedMask(list, 0))) * texelFetch(mainRadiance, pixel, 0);
+    uvec2 left = uvec2(0);  // ids to be shaded, by their number
+    for (uint k = 1; k < list.count; ++k) {
+        const uvec2 mask = listedMask(list, k);
+        const vec2 place = vec2(pixel) + centroidOf(mask);
         vec4 radiance;
         float total;
-        const float samples = float(samplesOf(node.mask));
-        borrow(patchOf(node.id & ~LS_LAST_NODE, ndcOf(place)), place, radiance, total);
+        const float samples = float(samplesOf(mask));
+        borrow(patchOf(listedId(list, k), ndcOf(place)), place, radiance, total);
         const bool found = total > 0;
         sum += found ? radiance * (samples / total) : vec4(0);
-        if (!found) left |= number < 32 ? uvec2(1u << number, 0) : uvec2(0, 1u << (number - 32));
-        others |= node.mask;
-        ++number;
+        if (!found) left |= k < 32 ? uvec2(1u << k, 0) : uvec2(0, 1u << (k - 32));
     }
-    sum += float(samplesOf(kAllSamples & ~others)) * texelFetch(mainRadiance, pixel, 0);
     imageStore(outRadiance, pixel, sum / kSamples);
 
     const uint count = samplesOf(left);
@@ -118,14 +112,13 @@ void blend(uint at) {
     // What does not fit is not written; the host sees the count and makes room.
     if (max(slot + count, entry + 1) > params.capacity) return;
     further[entry] = FurtherPixel(at, slot, count);
-    for (uint i = head.list; (left.x | left.y) != 0; i += kNodeWords) {
+    for (uint k = 0; (left.x | left.y) != 0; ++k) {
         if ((left.x & 1) != 0) {
-            const Node node = loadNode(i);
+            const uvec2 mask = listedMask(list, k);
             const ivec2 to = ivec2(slot % LS_FRAGMENT_ROW, slot / LS_FRAGMENT_ROW);
-            imageStore(outMoreIds, to, uvec4(node.id & ~LS_LAST_NODE));
-            imageStore(outMorePoints, to,
-                       vec4(ndcOf(vec2(pixel) + centroidOf(node.mask)), 0, 0));
-            weights[slot++] = samplesOf(node.mask);
+            imageStore(outMoreIds, to, uvec4(listedId(list, k)));
+            imageStore(outMorePoints, to, vec4(ndcOf(vec2(pixel) + centroidOf(mask)), 0, 0));
+            weights[slot++] = samplesOf(mask);
         }
         left = uvec2(left.x >> 1 | left.y << 31, left.y >> 1);
     }

@@ -1,10 +1,19 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <lodestar/visibility/record.hpp>
 
+#include <array>
 #include <bit>
 #include <stdexcept>
 
 namespace lodestar::visibility {
+namespace {
+
+/// ⌈log₂ ids⌉: the planes of a list of two or more.
+std::uint32_t planesOf(std::uint32_t ids) {
+    return static_cast<std::uint32_t>(std::bit_width(ids - 1));
+}
+
+}  // namespace
 
 std::span<const Node> listOf(const Record& record, std::size_t pixel) {
     const Head& head = record.heads[pixel];
@@ -75,9 +84,15 @@ PackedRecord pack(const Record& record) {
         packed.heads.push_back(shared::LS_HEAD_LIST |
                                static_cast<std::uint32_t>(packed.lists.size()));
         packed.lists.push_back(head.id);
-        for (const Node& node : listOf(record, pixel)) {
-            packed.lists.insert(packed.lists.end(), {node.id, node.maskLow});
-            if (record.side == 8) packed.lists.push_back(node.maskHigh);
+        const std::span<const Node> list = listOf(record, pixel);
+        for (const Node& node : list) packed.lists.push_back(node.id);
+        const auto count = static_cast<std::uint32_t>(list.size() + 1);
+        for (std::uint32_t plane = 0; plane < planesOf(count); ++plane) {
+            std::uint64_t mask = 0;
+            for (std::uint32_t k = 1; k < count; ++k)
+                if (k >> plane & 1) mask |= maskOf(list[k - 1]);
+            packed.lists.push_back(static_cast<std::uint32_t>(mask));
+            if (record.side == 8) packed.lists.push_back(static_cast<std::uint32_t>(mask >> 32));
         }
     }
     return packed;
@@ -86,22 +101,38 @@ PackedRecord pack(const Record& record) {
 Record unpack(const PackedRecord& packed, std::uint32_t width, std::uint32_t height,
               std::uint32_t side) {
     Record record{.width = width, .height = height, .side = side};
-    const std::size_t nodeWords = side == 8 ? 3 : 2;
     const auto& lists = packed.lists;
+    std::size_t at = 0;
+    const auto next = [&] {
+        if (at >= lists.size()) throw std::invalid_argument("unpack: a list past the end");
+        return lists[at++];
+    };
     for (const std::uint32_t word : packed.heads) {
         if ((word & shared::LS_HEAD_LIST) == 0) {
             record.heads.push_back({word, kNoList});
             continue;
         }
-        std::size_t at = word & ~shared::LS_HEAD_LIST;
-        const auto first = static_cast<std::uint32_t>(record.nodes.size());
-        if (at >= lists.size()) throw std::invalid_argument("unpack: a list past the end");
-        record.heads.push_back({lists[at++], first});
-        for (bool last = false; !last; at += nodeWords) {
-            if (at + nodeWords > lists.size())
-                throw std::invalid_argument("unpack: a list that does not end");
-            record.nodes.push_back({lists[at], lists[at + 1], side == 8 ? lists[at + 2] : 0});
-            last = isLast(record.nodes.back());
+        at = word & ~shared::LS_HEAD_LIST;
+        const std::size_t first = record.nodes.size();
+        record.heads.push_back({next(), static_cast<std::uint32_t>(first)});
+        do {
+            record.nodes.push_back({next(), 0, 0});
+            if (record.nodes.size() - first >= record.samples())
+                throw std::invalid_argument("unpack: more ids than samples");
+        } while (!isLast(record.nodes.back()));
+        const auto count = static_cast<std::uint32_t>(record.nodes.size() - first + 1);
+        std::array<std::uint64_t, 6> planes{};
+        for (std::uint32_t i = 0; i < planesOf(count); ++i) {
+            planes[i] = next();
+            if (side == 8) planes[i] |= std::uint64_t{next()} << 32;
+        }
+        for (std::uint32_t sample = 0; sample < record.samples(); ++sample) {
+            std::uint32_t k = 0;
+            for (std::uint32_t i = 0; i < planes.size(); ++i) k |= (planes[i] >> sample & 1) << i;
+            if (k >= count) throw std::invalid_argument("unpack: a sample of no id");
+            if (k == 0) continue;
+            Node& node = record.nodes[first + k - 1];
+            (sample < 32 ? node.maskLow : node.maskHigh) |= 1u << (sample % 32);
         }
     }
     return record;
@@ -109,9 +140,13 @@ Record unpack(const PackedRecord& packed, std::uint32_t width, std::uint32_t hei
 
 RecordBytes bytesOf(const Record& record) {
     RecordBytes bytes{.heads = record.heads.size() * 4, .thesisHeads = record.heads.size() * 8};
-    for (const Head& head : record.heads) bytes.mixedPixels += hasList(head);
-    const std::uint64_t nodeBytes = record.side == 8 ? 12 : 8;
-    bytes.lists = 4 * bytes.mixedPixels + nodeBytes * record.nodes.size();
+    const std::uint64_t maskBytes = record.side == 8 ? 8 : 4;
+    for (std::size_t pixel = 0; pixel < record.heads.size(); ++pixel) {
+        if (!hasList(record.heads[pixel])) continue;
+        ++bytes.mixedPixels;
+        const auto ids = static_cast<std::uint32_t>(listOf(record, pixel).size() + 1);
+        bytes.lists += 4 * ids + maskBytes * planesOf(ids);
+    }
     bytes.thesisNodes = 16 * (record.nodes.size() + bytes.mixedPixels);
     return bytes;
 }
