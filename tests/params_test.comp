@@ -14,6 +14,7 @@ void next(out vec2 v) { next(v.x); next(v.y); }
 void next(out vec3 v) { next(v.x); next(v.y); next(v.z); }
 void next(out vec4 v) { next(v.x); next(v.y); next(v.z); next(v.w); }
 void next(out uvec2 v) { next(v.x); next(v.y); }
+void next(out uvec3 v) { next(v.x); next(v.y); next(v.z); }
 void next(out ivec2 v) { v.x = int(++last); v.y = int(++last); }
 void next(out mat4 m) { next(m[0]); next(m[1]); next(m[2]); next(m[3]); }
 

@@ -29,6 +29,19 @@ const Bench* findBench(const std::string& name) {
     return found == all.end() ? nullptr : &*found;
 }
 
+/// What `options` leave open, as the bench has it for the device.
+BenchOptions scoped(const Bench& bench, BenchOptions o, const CLI::App& command) {
+    if (!bench.onCpu && !bench.onGpu) return o;
+    const bool cpu = gpu::Device(o.device).description().type == "Cpu";
+    const Scope scope =
+        (cpu ? bench.onCpu : bench.onGpu).value_or(Scope{o.view.size, o.rounds, o.frames});
+    o.everySize = !cpu && command.count("--size") == 0;
+    if (command.count("--size") == 0) o.view.size = scope.size;
+    if (command.count("--rounds") == 0) o.rounds = scope.rounds;
+    if (command.count("--frames") == 0) o.frames = scope.frames;
+    return o;
+}
+
 }  // namespace
 
 const std::vector<Bench>& benches() {
@@ -107,13 +120,27 @@ Result<Json> runBench(const std::string& name, const BenchOptions& given) {
         return fail(fmt::format("{}: {}: give --out a folder that can be made",
                                 options.out.string(), error.message()));
 
+    const auto noteSettings = [&](BenchResult& of) {
+        Json& settings = of.report.settings;
+        settings["rounds"] = options.rounds;
+        settings["width"] = options.view.size.width;
+        settings["height"] = options.view.size.height;
+    };
+    std::size_t shown = 0;
+    options.rowsCame = [&](const BenchResult& soFar) -> Result<void> {
+        for (; shown < soFar.rows.size(); ++shown)
+            fmt::print("{}\n", rowText(*bench, soFar.rows[shown]));
+        std::fflush(stdout);
+        BenchResult unfinished = soFar;
+        unfinished.bars = bench->bars(soFar.rows);
+        noteSettings(unfinished);
+        const auto written = writeResult(*bench, unfinished, options.out);
+        return written ? Result<void>() : tl::unexpected(written.error());
+    };
     auto result = bench->run(options);
     if (!result) return tl::unexpected(result.error());
     result->bars = bench->bars(result->rows);
-    Json& settings = result->report.settings;
-    settings["rounds"] = options.rounds;
-    settings["width"] = options.view.size.width;
-    settings["height"] = options.view.size.height;
+    noteSettings(*result);
     const auto written = writeResult(*bench, *result, options.out);
     if (!written) return tl::unexpected(written.error());
     fmt::print("\n{}\n", resultText(*bench, *written));
@@ -227,7 +254,7 @@ void addBench(CLI::App& app, int& exitCode) {
         for (const Bench& bench : benches()) {
             if (*name != "all" && *name != bench.name) continue;
             if (*name == "all") fmt::print("\n# {}: {}\n\n", bench.name, bench.what);
-            const auto done = runBench(bench.name, *o);
+            const auto done = runBench(bench.name, *quick ? *o : scoped(bench, *o, *command));
             // One that fails, for want of a scene say, does not keep the others from running.
             const int code = finish(done ? Result<void>() : tl::unexpected(done.error()));
             if (code != kExitOk) exitCode = code;

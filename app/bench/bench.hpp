@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -20,6 +21,8 @@
 /// each one measures and how to read it.
 namespace lodestar::app {
 
+struct BenchResult;
+
 struct BenchOptions {
     std::filesystem::path out;     ///< a folder, made when missing
     std::filesystem::path scenes;  ///< folder of the default scenes; empty = $LODESTAR_SCENES
@@ -30,7 +33,13 @@ struct BenchOptions {
     int rounds = 9;
     std::size_t frames = 120;  ///< of a run under a budget
     budget::Budget budget{budget::Budget::Kind::relative, 0.5};
-    std::string path;  ///< of the camera; empty = the bench's own
+    std::string path;        ///< of the camera; empty = the bench's own
+    bool everySize = false;  ///< no size was asked for, and the device can do those of the source
+    /// To be called when rows were added: they are written and shown at once, so that a run that is
+    /// cut off is not lost.
+    std::function<Result<void>(const BenchResult&)> rowsCame = [](const BenchResult&) {
+        return Result<void>();
+    };
 };
 
 /// The scene, size, rounds and frames of --quick: a run under a minute with the same columns.
@@ -63,12 +72,21 @@ struct BenchResult {
     std::vector<std::filesystem::path> files;  ///< pictures and traces written
 };
 
+/// How much is measured where nothing is asked for.
+struct Scope {
+    PictureSize size;
+    int rounds;
+    std::size_t frames;
+};
+
 struct Bench {
     std::string name, what;
     Result<BenchResult> (*run)(const BenchOptions&);
     std::vector<Bar> (*bars)(const Json& rows);
     /// Tables to print: rows whose "measures" is the first word, these columns.
     std::vector<std::pair<std::string, std::vector<std::string>>> tables;
+    /// On a CPU device, that it ends within minutes, and on others; none: as BenchOptions has it.
+    std::optional<Scope> onCpu, onGpu;
 };
 
 const std::vector<Bench>& benches();

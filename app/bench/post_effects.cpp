@@ -82,9 +82,12 @@ struct Measured {
     double total() const { return onB() + median(combine); }
 };
 
-/// The thesis's base sizes as far as --size goes (small ones of quick runs have their own).
+/// The thesis's base sizes as far as --size goes, and half the first where that is all (small ones
+/// of quick runs have their own).
 std::vector<vk::Extent2D> baseSizes(const BenchOptions& options) {
     std::vector<vk::Extent2D> sizes;
+    if (options.view.size.width >= 480 && options.view.size.width < 960)
+        sizes.push_back({240, 135});
     for (const vk::Extent2D size : {vk::Extent2D{480, 270}, {960, 540}, {1920, 1080}, {3840, 2160}})
         if (int(size.width) <= options.view.size.width) sizes.push_back(size);
     if (sizes.empty())
@@ -93,9 +96,11 @@ std::vector<vk::Extent2D> baseSizes(const BenchOptions& options) {
     return sizes;
 }
 
-/// Pictures are no larger than UHD, unless such base sizes are asked for.
+/// Pictures are no larger than UHD, unless such base sizes are asked for, nor than 16 times the
+/// largest base.
 std::uint32_t mostPixels(const BenchOptions& options) {
-    return options.view.size.width >= 3840 ? 16384 : 3840;
+    const auto width = std::uint32_t(options.view.size.width);
+    return width >= 3840 ? 16384 : std::clamp(4 * width, 640u, 3840u);
 }
 
 Result<void> measure(const OpenCase& open, const BenchCase& what, const Subject& subject,
@@ -174,6 +179,7 @@ Result<void> measure(const OpenCase& open, const BenchCase& what, const Subject&
             result.files.push_back(file);
         }
     }
+    if (auto done = options.rowsCame(result); !done) return done;
     return validationVerdict(*session.device);
 }
 
@@ -186,6 +192,7 @@ Result<BenchResult> runSubject(const Subject& subject, const std::vector<BenchCa
     for (const BenchCase& one : *cases) {
         const auto open = openCase(one, options);
         if (!open) return tl::unexpected(open.error());
+        if (!result.report.device) describeDevice(open->session, result.report);
         for (const vk::Extent2D base : baseSizes(options))
             for (const std::uint32_t rate : kRates) {
                 const auto side = std::uint32_t(std::lround(std::sqrt(double(rate))));
@@ -193,7 +200,6 @@ Result<BenchResult> runSubject(const Subject& subject, const std::vector<BenchCa
                 if (auto done = measure(*open, one, subject, base, rate, options, result); !done)
                     return tl::unexpected(done.error());
             }
-        if (!result.report.device) describeDevice(open->session, result.report);
     }
     return result;
 }
@@ -248,9 +254,11 @@ Result<BenchResult> runSsao(const BenchOptions& options) {
 }
 
 Result<BenchResult> runDof(const BenchOptions& options) {
-    auto result = runSubject(
-        dofSubject(),
-        {{"city_kaykit.glb", "street", ""}, {"chess_abeautifulgame.glb", "pieces", ""}}, options);
+    auto result = runSubject(dofSubject(),
+                             {{"chess_abeautifulgame.glb", "pieces", ""},
+                              {"sponza.glb", "nave", ""},
+                              {"city_kaykit.glb", "street", ""}},
+                             options);
     if (result)
         result->source =
             Json::array({{{"source", "thesis, §5.2.1 (RTX 3090)"},
@@ -274,6 +282,8 @@ const std::vector<std::string> kColumns{"scene",
                                         "ssim",
                                         "full_rate_psnr_db"};
 
+constexpr Scope kOnCpu{{480, 270}, 3, 0}, kOnGpu{{1920, 1080}, 9, 0};
+
 }  // namespace
 
 Bench ssaoBench() {
@@ -281,7 +291,9 @@ Bench ssaoBench() {
             .what = "ambient occlusion at effective resolution against downsampled inputs",
             .run = runSsao,
             .bars = ssaoBars,
-            .tables = {{"ssao", kColumns}}};
+            .tables = {{"ssao", kColumns}},
+            .onCpu = kOnCpu,
+            .onGpu = kOnGpu};
 }
 
 Bench dofBench() {
@@ -289,7 +301,9 @@ Bench dofBench() {
             .what = "depth of field at effective resolution against downsampled inputs",
             .run = runDof,
             .bars = dofBars,
-            .tables = {{"dof", kColumns}}};
+            .tables = {{"dof", kColumns}},
+            .onCpu = kOnCpu,
+            .onGpu = kOnGpu};
 }
 
 }  // namespace lodestar::app

@@ -137,6 +137,17 @@ std::string csvOf(const Json& rows) {
     return text;
 }
 
+std::string rowText(const Bench& bench, const Json& row) {
+    std::string line;
+    for (const auto& [measures, keys] : bench.tables) {
+        if (row.at("measures") != measures) continue;
+        for (const std::string& key : keys)
+            if (const std::string cell = cellText(key, row); !cell.empty())
+                line += fmt::format("  {} {}", headingOf(key), cell);
+    }
+    return line;
+}
+
 std::string resultText(const Bench& bench, const Json& result) {
     std::string text;
     for (const auto& [measures, keys] : bench.tables)

@@ -10,6 +10,8 @@ namespace lodestar::app {
 /// results.md, which hold the newest run of each bench there. Returns what NAME.json holds.
 Result<Json> writeResult(const Bench&, BenchResult&, const std::filesystem::path& folder);
 
+/// One row as it comes: the columns of its table, each with its name.
+std::string rowText(const Bench&, const Json& row);
 /// The tables and bars of a result as they are printed. `result` has rows and bars.
 std::string resultText(const Bench&, const Json& result);
 

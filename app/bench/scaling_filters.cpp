@@ -165,6 +165,7 @@ Result<void> measureScene(const BenchCase& what, const BenchOptions& options, Be
     }
     if (auto written = writePictures(all, edges, what, options, result.files); !written)
         return written;
+    if (auto done = options.rowsCame(result); !done) return done;
     return validationVerdict(device);
 }
 
@@ -192,10 +193,17 @@ Result<BenchResult> run(const BenchOptions& options) {
     if (!cases) return tl::unexpected(cases.error());
     BenchResult result;
     result.report.settings = settingsJson(options.settings);
-    for (const BenchCase& one : *cases)
-        if (auto done = measureScene(one, options, result); !done)
-            return tl::unexpected(done.error());
     result.source = publishedRows();
+    std::vector<PictureSize> sizes{options.view.size};
+    if (options.everySize) sizes.insert(sizes.begin(), {1280, 720});
+    for (const BenchCase& one : *cases)
+        for (const PictureSize size : sizes) {
+            BenchOptions at = options;
+            at.view.size = size;
+            at.settings.size = vk::Extent2D{std::uint32_t(size.width), std::uint32_t(size.height)};
+            if (auto done = measureScene(one, at, result); !done)
+                return tl::unexpected(done.error());
+        }
     return result;
 }
 
@@ -203,15 +211,16 @@ Result<BenchResult> run(const BenchOptions& options) {
 const Json& sibling(const Json& rows, const Json& row, const char* method) {
     return *std::find_if(rows.begin(), rows.end(), [&](const Json& other) {
         return other.at("measures") == "filter" && other.at("scene") == row.at("scene") &&
-               other.at("s") == row.at("s") && other.at("method") == method;
+               other.at("width") == row.at("width") && other.at("s") == row.at("s") &&
+               other.at("method") == method;
     });
 }
 
 void addFilterBars(const Json& rows, const Json& ours, std::vector<Bar>& bars) {
     const Json& bicubic = sibling(rows, ours, "bicubic");
     const auto number = [](const Json& row, const char* key) { return numberOrInfinity(row, key); };
-    const std::string place =
-        fmt::format(": {}, S = {}", ours.at("scene").get<std::string>(), ours.at("s").dump());
+    const std::string place = fmt::format(": {} {}, S = {}", ours.at("scene").get<std::string>(),
+                                          ours.at("width").dump(), ours.at("s").dump());
     for (const Json* row : {&bicubic, &ours}) {
         const double times = number(*row, "times_bilinear");
         bars.push_back({row->at("method").get<std::string>() + " / bilinear time" + place, times,
@@ -248,11 +257,13 @@ Bench scalingFiltersBench() {
             .run = run,
             .bars = barsOf,
             .tables = {{"frame",
-                        {"scene", "s", "frame_ms", "times_native", "capture_ms", "rebuild_ms",
-                         "terms_ms", "combine_ms", "tonemap_ms", "scale_ms"}},
+                        {"scene", "width", "s", "frame_ms", "times_native", "capture_ms",
+                         "rebuild_ms", "terms_ms", "combine_ms", "tonemap_ms", "scale_ms"}},
                        {"filter",
-                        {"scene", "s", "method", "scale_ms", "times_bilinear", "psnr_db", "ssim",
-                         "flip", "edge_psnr_db", "supersampled_psnr_db"}}}};
+                        {"scene", "width", "s", "method", "scale_ms", "times_bilinear", "psnr_db",
+                         "ssim", "flip", "edge_psnr_db", "supersampled_psnr_db"}}},
+            .onCpu = Scope{{960, 540}, 3, 0},
+            .onGpu = Scope{{1920, 1080}, 9, 0}};
 }
 
 }  // namespace lodestar::app

@@ -188,11 +188,8 @@ void PostChain::recordDof(gpu::Recorder& rec, const PostPicture& p, std::uint32_
         options.sharp = 0.05f * options.focus;
         options.full = 0.6f * options.focus;
     }
-    // Downsampled colours bring their depth along.
-    const Guides guides =
-        settings.downsampled && side > 1 ? gridOf(p, rate) : recordGuides(rec, p, rate);
     dof->pass.record(
-        rec, {part(p.surfaces.depth, p.ids.extent), guides.depth, guides.grid, settings.bilateral},
+        rec, {part(p.surfaces.depth, p.ids.extent), gridOf(p, rate).grid, settings.bilateral},
         options, radiance);
     rec.barrier(Stage::compute, Stage::compute);
 }

@@ -27,7 +27,9 @@ using gpu::Slot;
 using gpu::Stage;
 using Usage = vk::ImageUsageFlagBits;
 
-constexpr float kCocFalloff = 1.44269504f / (2 * 0.1f * 0.1f);
+constexpr float kCocFalloff = 1.44269504f / (2 * 0.3f * 0.3f);
+/// σ from which on a blur is made of half the size [texels of what it is made of].
+constexpr float kHalves = 1.3f;
 
 vk::Extent2D half(vk::Extent2D size) {
     return {(size.width + 1) / 2, (size.height + 1) / 2};
@@ -63,7 +65,8 @@ Dof::Dof(const gpu::Device& device, vk::Extent2D room, std::optional<vk::Extent2
       combine(device, "dof combine", kCombine,
               {Slot::sampledImage, Slot::sampledImage, Slot::storageImage},
               sizeof(shared::DofParams)),
-      sharp(image(device, room, vk::Format::eR32G32B32A32Uint, "dof: layers")) {
+      sharp(image(device, room, vk::Format::eR32G32B32A32Uint, "dof: layers")),
+      cocs(image(device, room, vk::Format::eR32Sfloat, "dof: CoC")) {
     constexpr auto kPacked = vk::Format::eR32G32B32A32Uint;
     for (int i = 0; i < 3; ++i)  // small blurs leave all of them at the size of B
         levels.push_back({image(device, room, kPacked, "dof: across"),
@@ -93,8 +96,9 @@ void Dof::recordDown(gpu::Recorder& rec, const Inputs& in, const shared::DofPara
 }
 
 /// Each of the blurred pictures is made of the one before, and of half its size where its blur
-/// hides that.
-std::array<Dof::Blur, 3> Dof::plan(float sigma) {
+/// hides that: `careful`, as REF does and where B is O, well so, and the first is of the size of B.
+std::array<Dof::Blur, 3> Dof::plan(float sigma, bool careful) {
+    constexpr float kNone = 0.3f;     // a blur that gives the next texel under 1/200
     constexpr float kOfGrid = 0.25f;  // σ² of a texel's footprint and of the way back to grid O
     std::array<Blur, 3> plans;
     float had = kOfGrid;
@@ -102,26 +106,33 @@ std::array<Dof::Blur, 3> Dof::plan(float sigma) {
     for (std::size_t i = 0; i < plans.size(); ++i) {
         const float s = sigma * static_cast<float>(1 << i) / 4;
         Blur& blur = plans[i];
-        blur.step = i > 0 && s >= static_cast<float>(2 * texel) ? 2 : 1;
+        const float halves = s / static_cast<float>(texel);
+        blur.step = (careful ? i > 0 && halves >= 2 : halves >= kHalves) ? 2 : 1;
         const auto unit = static_cast<float>(texel);
         texel *= blur.step;
         blur.texel = texel;
         // Of texels that are larger the way back blurs too.
         const float back = static_cast<float>(texel * texel - 1) / 6;
         const float wanted = std::max(s * s - back - had, 0.0f);
-        blur.sigma = std::max(std::sqrt(wanted) / unit, blur.step == 2 ? 0.5f : 0.1f);
-        had += std::max(wanted, blur.sigma * blur.sigma * unit * unit);
+        blur.sigma = std::max(std::sqrt(wanted) / unit, blur.step == 2 ? 0.5f : 0.0f);
+        if (blur.sigma < kNone) blur.sigma = 0;
+        had += blur.sigma * blur.sigma * unit * unit;
     }
     return plans;
 }
 
-void Dof::recordBlur(gpu::Recorder& rec, vk::Extent2D size,
-                     const std::array<Blur, 3>& plans) const {
+std::array<gpu::View, 3> Dof::recordBlur(gpu::Recorder& rec, vk::Extent2D size,
+                                         const std::array<Blur, 3>& plans) const {
+    std::array<gpu::View, 3> made;
     gpu::View from = sharp;
     vk::Extent2D fromSize = size;
     for (std::size_t i = 0; i < levels.size(); ++i) {
         const auto [sigma, step, texel] = plans[i];
-        const auto reach = static_cast<std::uint32_t>(sigma < 0.2f ? 0 : std::ceil(2.5f * sigma));
+        if (sigma == 0) {
+            made[i] = from;
+            continue;
+        }
+        const auto reach = static_cast<std::uint32_t>(std::ceil(2.5f * sigma));
         const float falloff = 1.44269504f / (2 * sigma * sigma);
         const vk::Extent2D across{gpu::groups(fromSize.width, step), fromSize.height};
         const vk::Extent2D to{across.width, gpu::groups(fromSize.height, step)};
@@ -140,9 +151,10 @@ void Dof::recordBlur(gpu::Recorder& rec, vk::Extent2D size,
                      {{levels[i].across, pointSampler}, levels[i].blurred},
                      along(to, across, {0, 1}));
         rec.barrier(Stage::compute, Stage::compute);
-        from = levels[i].blurred;
+        made[i] = from = levels[i].blurred;
         fromSize = to;
     }
+    return made;
 }
 
 void Dof::record(gpu::Recorder& rec, const Inputs& in, const DofOptions& o, gpu::View color) const {
@@ -162,8 +174,9 @@ void Dof::record(gpu::Recorder& rec, const Inputs& in, const DofOptions& o, gpu:
                              .thesis = o.formula == CocFormula::thesis,
                              .cocFalloff = in.bilateral ? kCocFalloff : 0};
     const auto plans =
-        plan(o.radius * static_cast<float>(in.grid.fullSize.y) / (2 * in.grid.rate.y));
-    params.steps = {plans[1].texel, plans[2].texel};
+        plan(o.radius * static_cast<float>(in.grid.fullSize.y) / (2 * in.grid.rate.y),
+             downsamples || rate <= 1);
+    params.steps = {plans[0].texel, plans[1].texel, plans[2].texel};
     const vk::Extent2D size{in.grid.size.x, in.grid.size.y};
     const vk::Extent3D groups = gpu::groups8x8(size);
     const gpu::View blurred = levels[0].across;  // no longer needed by then
@@ -175,14 +188,14 @@ void Dof::record(gpu::Recorder& rec, const Inputs& in, const DofOptions& o, gpu:
             from = halves[static_cast<std::size_t>(std::lround(std::log2(rate))) - 1];
         }
         rec.dispatch(downsamples ? layersOfDown : layers, groups,
-                     {{from, pointSampler}, {in.depth, pointSampler}, in.depthOnB, sharp}, params);
+                     {{from, pointSampler}, {in.depth, pointSampler}, cocs, sharp}, params);
         rec.barrier(Stage::compute, Stage::compute);
-        recordBlur(rec, size, plans);
+        const auto pictures = recordBlur(rec, size, plans);
         rec.dispatch(resolve, groups,
-                     {{in.depthOnB, pointSampler},
-                      {levels[0].blurred, pointSampler},
-                      {levels[1].blurred, pointSampler},
-                      {levels[2].blurred, pointSampler},
+                     {{cocs, pointSampler},
+                      {pictures[0], pointSampler},
+                      {pictures[1], pointSampler},
+                      {pictures[2], pointSampler},
                       blurred},
                      params);
         rec.barrier(Stage::compute, Stage::compute);

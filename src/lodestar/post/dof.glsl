@@ -6,11 +6,14 @@
 
 /// The circle of confusion, −1 … 1: negative before the focus. Depth 0 is infinitely far.
 float cocOf(DofParams lens, float z) {
-    if (z <= 0) return clamp(lens.slope * 1e30, 0, 1);
-    const float past = clamp(lens.slope * max(z - lens.focus - lens.sharp, 0), 0, 1);
-    const float before = clamp(lens.slope * max(lens.focus - z - lens.sharp, 0), 0, 1);
-    return lens.thesis != 0 ? past : past - before;
+    const float from = z > 0 ? z - lens.focus : 1e30;
+    const float coc = min(lens.slope * max(abs(from) - lens.sharp, 0), 1);
+    return from > 0 ? coc : lens.thesis != 0 ? 0 : -coc;
 }
+
+/// What guides the way back to grid O: what is well out of focus, however far, is one, for there the
+/// blur itself goes over edges. The foreground has no say in what is behind it.
+float guideOf(float coc) { return min(3 * coc, 1); }
 
 /// What lies at and past the focus, and what lies before it, apart: so that neither side's blur
 /// takes colour from over the edge.

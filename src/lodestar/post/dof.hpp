@@ -21,8 +21,7 @@ public:
     Dof(const gpu::Device&, vk::Extent2D room, std::optional<vk::Extent2D> full = {});
 
     struct Inputs {
-        gpu::View depth;     ///< grid O, R32_SFLOAT: linear view depth, 0 = background
-        gpu::View depthOnB;  ///< the same of grid B; written where colours are downsampled
+        gpu::View depth;  ///< grid O, R32_SFLOAT: linear view depth, 0 = background
         shared::EffectiveGrid grid;
         bool bilateral = true;  ///< texels of another blur than the pixel count next to nothing
     };
@@ -42,12 +41,15 @@ private:
         std::uint32_t step = 1;   // of those for one that is written
         std::uint32_t texel = 1;  // texels of B for one that is written
     };
-    static std::array<Blur, 3> plan(float sigma);
-    void recordBlur(gpu::Recorder&, vk::Extent2D size, const std::array<Blur, 3>&) const;
+    static std::array<Blur, 3> plan(float sigma, bool careful);
+    /// Returns the three pictures.
+    std::array<gpu::View, 3> recordBlur(gpu::Recorder&, vk::Extent2D size,
+                                        const std::array<Blur, 3>&) const;
 
     vk::raii::Sampler pointSampler;
     gpu::Kernel layers, layersOfDown, down, blur, resolve, combine;
     gpu::Image sharp;  // in layers
+    gpu::Image cocs;   // circles of confusion on grid B
     std::vector<Level> levels;
     std::vector<gpu::Image> halves;  // of grid O, where colours are downsampled
 };

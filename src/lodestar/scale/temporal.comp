@@ -33,9 +33,10 @@ struct Around {
     vec4 motion[5];  // xy, depth a frame ago, instance
     float sunLow, sunHigh;
     vec3 low, high;
+    vec4 gathered;  // rgb times weight, weight: by their distances to the pixel's centre
 };
 
-Around lookAround(ivec2 texel) {
+Around lookAround(ivec2 texel, vec2 off, vec2 step, float falloff) {
     const ivec2 steps[5] = ivec2[](ivec2(0), ivec2(-1, 0), ivec2(1, 0), ivec2(0, -1), ivec2(0, 1));
     const ivec2 last = ivec2(params.live) - 1;
     Around a;
@@ -43,6 +44,7 @@ Around lookAround(ivec2 texel) {
     a.sunHigh = 0;
     a.low = vec3(1);
     a.high = vec3(0);
+    a.gathered = vec4(0);
     for (int i = 0; i < 5; ++i) {
         const ivec2 at = clamp(texel + steps[i], ivec2(0), last);
         a.motion[i] = texelFetch(motion, at, 0);
@@ -52,6 +54,8 @@ Around lookAround(ivec2 texel) {
         const vec3 color = texelFetch(source, at, 0).rgb;
         a.low = min(a.low, color);
         a.high = max(a.high, color);
+        const vec2 d = off + vec2(steps[i]) / step;
+        a.gathered += exp2(-falloff * dot(d, d)) * vec4(color, 1);
     }
     return a;
 }
@@ -109,13 +113,12 @@ void main() {
     const vec2 at = (vec2(pixel) + 0.5) * step + params.jitter;
     const ivec2 texel = ivec2(clamp(at, vec2(0), params.live - 1));
     const vec2 off = (vec2(texel) + 0.5 - at) / step;
-    const vec3 color = texelFetch(source, texel, 0).rgb;
-    const Around around = lookAround(texel);
-    const vec4 moved = around.motion[0];
-    const vec2 travel = moved.xy * vec2(params.size);
+    const vec2 travel = texelFetch(motion, texel, 0).xy * vec2(params.size);
     const bool travels = dot(travel, travel) > 1e-4;
-    const float falloff = params.falloff * (travels ? kMovingFalloff : 1);
-    const float weight = exp2(-falloff * dot(off, off));
+    const Around around =
+        lookAround(texel, off, step, params.falloff * (travels ? kMovingFalloff : 1));
+    const vec4 moved = around.motion[0];
+    const float weight = around.gathered.w;
     const float sun = texelFetch(terms, texel, 0).x;
 
     // The place in the history, and which of the 2×2 texels about it show what is seen here.
@@ -150,7 +153,8 @@ void main() {
     before.rgb = clamp(before.rgb, vec3(0), vec3(1));
     sunThen /= max(matched, 1e-3);
 
-    // Only where shading moves over a surface that stays is its colour no longer right.
+    // Only where shading moves over a surface that stays is its colour no longer right, and where
+    // resampling and parts of pixels that were of something else have been carried along.
     const bool shadowMoved =
         sunThen < around.sunLow - kSunSlack || sunThen > around.sunHigh + kSunSlack;
     const float roughness = unpackUnorm4x8(texelFetch(material, texel, 0).y).x;
@@ -160,13 +164,14 @@ void main() {
     const float layerNow = params.layered != 0 ? texelFetch(layer, texel, 0).x : 0;
     const float ofLayer = params.moved != 0 ? max(layerNow, layerThen) : 0;
     const bool layerMoved = ofLayer > 0.004;
-    if (shadowMoved || reflectionMoved || layerMoved) before.rgb = clamp(before.rgb, around.low, around.high);
+    if (travels || shadowMoved || reflectionMoved || layerMoved)
+        before.rgb = clamp(before.rgb, around.low, around.high);
 
     const float memory = params.memory * (travels ? kMovingMemory : 1) * (1 - ofLayer);
     // Until samples have gathered, this frame's own reconstruction stands for those to come.
     const float old = kept ? min(max(before.a, 0), memory) : 0;
     const float ahead = max(kEnough - old, 0);
-    const vec3 sum = (kept ? before.rgb * old : vec3(0)) + color * weight +
+    const vec3 sum = (kept ? before.rgb * old : vec3(0)) + around.gathered.rgb +
                      (ahead > 0 ? edgeAdaptiveAt(at) * ahead : vec3(0));
     const vec4 joined = vec4(sum / (old + weight + ahead), old + weight);
     imageStore(outHistory, pixel, joined);

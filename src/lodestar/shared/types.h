@@ -16,6 +16,7 @@ using glm::ivec2;
 using glm::ivec3;
 using glm::mat4;
 using glm::uvec2;
+using glm::uvec3;
 using glm::vec2;
 using glm::vec3;
 using glm::vec4;
