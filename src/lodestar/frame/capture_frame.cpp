@@ -128,12 +128,11 @@ CaptureFrame::CaptureFrame(const gpu::Device& owner, const scene::GpuScene& gpuS
       implementation([&] {
           transient = owner.allocatedBytes();  // the list is what is drawn, not how it is captured
           auto made = std::make_optional(makeBackend());
-          const double took = static_cast<double>(owner.allocatedBytes() - transient);
           // Drivers align what images take, more than can be known before.
-          if (const double room = static_cast<double>(s.transientBytes);
-              s.bandRows == 0 && took > room) {
+          const auto took = [&] { return owner.allocatedBytes() - transient; };
+          while (s.bandRows == 0 && bandRows > 1 && took() > s.transientBytes) {
               made.reset();
-              bandRows = std::max(static_cast<std::uint32_t>(bandRows * room / took), 1u);
+              bandRows -= std::max(bandRows / 16, 1u);
               made.emplace(makeBackend());
           }
           return std::move(*made);
