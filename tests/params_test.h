@@ -3,6 +3,7 @@
 #ifndef LS_PARAMS_TEST_H
 #define LS_PARAMS_TEST_H
 #include "lodestar/geometry/cull_params.h"
+#include "lodestar/geometry/project_params.h"
 #include "lodestar/geometry/show_lods_params.h"
 #include "lodestar/geometry/tessellate_params.h"
 #include "lodestar/gpu/prefix_sum_params.h"
@@ -22,7 +23,6 @@
 #include "lodestar/shading/light_params.h"
 #include "lodestar/upsample/refine_params.h"
 #include "lodestar/upsample/upsample_params.h"
-#include "lodestar/geometry/project_params.h"
 #include "lodestar/visibility/capture_compute_params.h"
 #include "lodestar/visibility/capture_ms_params.h"
 #include "lodestar/visibility/capture_ss_params.h"
@@ -57,6 +57,7 @@ struct AllParams {
     GpuChunk chunk;
     CullParams cull;
     CullList cullList;
+    CullBeyond cullBeyond;
     CullCounts cullCounts;
     ScanParams scan;
     PhaseParams phase;
@@ -182,6 +183,7 @@ LS_NAMESPACE_END
     LS_VISIT_4(VISIT, p.cull.hizOffsets, 0) LS_VISIT_4(VISIT, p.cull.hizOffsets, 4) \
     LS_VISIT_4(VISIT, p.cull.hizOffsets, 8) LS_VISIT_4(VISIT, p.cull.hizOffsets, 12) \
     LS_VISIT_LIST(VISIT, p.cullList) \
+    LS_VISIT_3(VISIT, p.cullBeyond.groups) \
     LS_VISIT_LIST(VISIT, p.cullCounts.lists[0]) LS_VISIT_LIST(VISIT, p.cullCounts.lists[1]) \
     LS_VISIT_LIST(VISIT, p.cullCounts.lists[2]) LS_VISIT_LIST(VISIT, p.cullCounts.lists[3]) \
     LS_VISIT_LIST(VISIT, p.cullCounts.lists[4]) LS_VISIT_LIST(VISIT, p.cullCounts.lists[5]) \

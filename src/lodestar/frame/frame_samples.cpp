@@ -17,11 +17,10 @@ using Usage = vk::ImageUsageFlagBits;
 /// Captured, compacted and rebuilt in one go.
 gpu::FrameTimes Frame::renderSamples(const scene::Camera& camera, const budget::Levers& levers) {
     if (!samples) {
-        CaptureSettings settings{
-            .base = options.size,
-            .side = options.captureSide,
-            .backend = options.capture,
-            .lod = options.lod};
+        CaptureSettings settings{.base = options.size,
+                                 .side = options.captureSide,
+                                 .backend = options.capture,
+                                 .lod = options.lod};
         if (options.capture == CaptureBackend::automatic)
             settings.backend = chooseBackend(*device, *scene, settings, camera);
         samples.emplace(*device, *scene, settings);

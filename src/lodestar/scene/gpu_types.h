@@ -177,10 +177,16 @@ struct GpuLight {
 };
 
 #ifdef __cplusplus
-inline uint meshletTriangles(const GpuMeshlet& meshlet) { return meshlet.counts & 255u; }
+inline uint meshletTriangles(const GpuMeshlet& meshlet) {
+    return meshlet.counts & 255u;
+}
 #else
-uint meshletTriangles(GpuMeshlet meshlet) { return meshlet.counts & 255u; }
-uint meshletLod(GpuMeshlet meshlet) { return meshlet.counts >> LS_MESHLET_LOD_SHIFT; }
+uint meshletTriangles(GpuMeshlet meshlet) {
+    return meshlet.counts & 255u;
+}
+uint meshletLod(GpuMeshlet meshlet) {
+    return meshlet.counts >> LS_MESHLET_LOD_SHIFT;
+}
 #endif
 
 LS_NAMESPACE_END

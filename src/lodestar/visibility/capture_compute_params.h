@@ -4,13 +4,13 @@
 #include "../shared/types.h"
 LS_NAMESPACE_BEGIN
 
-const uint LS_CAPTURE_GROUP = 64;          // threads of a workgroup
-const uint LS_CAPTURE_TILE_WIDTH = 32;     // samples of a tile of grid C
+const uint LS_CAPTURE_GROUP = 64;       // threads of a workgroup
+const uint LS_CAPTURE_TILE_WIDTH = 32;  // samples of a tile of grid C
 const uint LS_CAPTURE_TILE_HEIGHT = 16;
 const uint LS_CAPTURE_SPLITTERS = 8;       // threads that cut one large triangle
 const uint LS_CAPTURE_CLIPPED = 262144;    // room for triangles to clip
 const uint LS_CAPTURE_LARGE = 65536;       // room for large triangles
-const uint LS_CAPTURE_JOBS = 1u << 20;     // room for tiles of large triangles
+const uint LS_CAPTURE_JOBS = 1u << 19;     // room for tiles of large triangles
 const uint LS_CAPTURE_MOST_GROUPS = 8192;  // workgroups over a queue
 
 struct CaptureComputeParams {
@@ -27,8 +27,8 @@ struct CaptureArgsParams {
     uint capacity;
 };
 
-/// Of one queue: opaque triangles or alpha-masked ones. Workgroups are for indirect dispatch; those that
-/// take from a queue are set by who fills it.
+/// Of one queue: opaque triangles or alpha-masked ones. Workgroups are for indirect dispatch; those
+/// that take from a queue are set by who fills it.
 struct CaptureQueueCounts {
     uint groups[3];       // one thread a triangle
     uint first;           // listed triangle

@@ -12,8 +12,9 @@ LS_NAMESPACE_BEGIN
 // A list is n ids, then which of them each sample shows. The first id is the representative (most
 // samples; of equals the smaller id), the others go by their first samples, and the last one has
 // LS_LAST_NODE. Samples say their id's number, 0 … n − 1, in planes of a bit each, the lowest
-// first: ⌈log₂ n⌉ masks, of one word or, of 64 samples, two. The mask of id k is what in every plane
-// has the bit that k has: of 64 samples n ids take n + 2·⌈log₂ n⌉ words, with masks it were 3·n.
+// first: ⌈log₂ n⌉ masks, of one word or, of 64 samples, two. The mask of id k is what in every
+// plane has the bit that k has: of 64 samples n ids take n + 2·⌈log₂ n⌉ words, with masks it were
+// 3·n.
 
 const uint LS_HEAD_LIST = 0x80000000u;
 const uint LS_LAST_NODE = 0x80000000u;
