@@ -100,6 +100,11 @@ Json resultsIn(const fs::path& file) {
     return all;
 }
 
+/// A bench that was cut off may not have said it.
+std::string said(const Json& one, const char* key) {
+    return one.at(key).is_string() ? one.at(key).get<std::string>() : "–";
+}
+
 /// The page of results.json: bars and tables of each bench, in the order of `lodestar bench list`.
 std::string pageOf(const Json& all) {
     std::string page = "# Measured\n";
@@ -107,12 +112,11 @@ std::string pageOf(const Json& all) {
         const auto found = all.at("benches").find(bench.name);
         if (found == all.at("benches").end()) continue;
         const Json& one = *found;
-        page +=
-            fmt::format("\n## {}\n\n{}. {}x{}, {} rounds, on {} ({}), lodestar {}.\n\n```\n{}```\n",
-                        bench.name, bench.what, one.at("width").get<int>(),
-                        one.at("height").get<int>(), one.at("rounds").get<int>(),
-                        one.at("device").get<std::string>(), one.at("driver").get<std::string>(),
-                        one.at("version").get<std::string>(), resultText(bench, one));
+        page += fmt::format(
+            "\n## {}\n\n{}. {}x{}, {} rounds, on {} ({}), lodestar {}.\n\n```\n{}```\n", bench.name,
+            bench.what, one.at("width").get<int>(), one.at("height").get<int>(),
+            one.at("rounds").get<int>(), said(one, "device"), said(one, "driver"),
+            one.at("version").get<std::string>(), resultText(bench, one));
     }
     return page;
 }

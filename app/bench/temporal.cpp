@@ -270,7 +270,7 @@ Result<void> measureScene(const BenchCase& what, const BenchOptions& options, Be
     stage.full.emplace(device, *session.gpuScene, settings);
     stage.filters.emplace(device, settings.size);
 
-    if (result.report.peakBytes == 0) {
+    if (!result.report.device) {
         describeDevice(session, result.report);
         result.report.counts = countsOf(session, *stage.fine);
     }
