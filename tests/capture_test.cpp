@@ -167,8 +167,7 @@ TEST_F(CaptureTest, trianglesOfEveryKindAgreeWithTheRasterPipeline) {
 }
 
 TEST_F(CaptureTest, whereThereIsNoRoomForProjectedVerticesTheWordsAreTheSame) {
-    const scene::Camera inside{
-        .eye = {0.5f, 0.2f, 0.5f}, .at = {1, 0, -1}, .verticalFov = 1.4f};
+    const scene::Camera inside{.eye = {0.5f, 0.2f, 0.5f}, .at = {1, 0, -1}, .verticalFov = 1.4f};
     const Subject jumble(device(), small_scenes::jumble(), inside);
     const Subject columns(device(), "columns", 1);
     for (const Subject* subject : {&jumble, &columns}) {
@@ -176,8 +175,8 @@ TEST_F(CaptureTest, whereThereIsNoRoomForProjectedVerticesTheWordsAreTheSame) {
         const geometry::Cull cull(device());
         const visibility::CaptureCompute pass(device(), onGpu.features());
         const visibility::CaptureCompute::Scratch scratch(device(), 97 * 65);
-        const glm::mat4 clip = subject->camera.clipFromView(97.0f / 65) *
-                               subject->camera.viewFromWorld();
+        const glm::mat4 clip =
+            subject->camera.clipFromView(97.0f / 65) * subject->camera.viewFromWorld();
         const geometry::SampledPicture picture{clip, {97, 65}, 0, 65};
         const auto words = [&](std::uint32_t room) {
             geometry::DrawList list(device(), onGpu, "list", scene::TablePart::eye, room);
@@ -191,8 +190,8 @@ TEST_F(CaptureTest, whereThereIsNoRoomForProjectedVerticesTheWordsAreTheSame) {
             rec.barrier(gpu::Stage::compute, gpu::Stage::compute);
             pass.record(rec, onGpu, list, picture, scratch, "capture");
             rec.submit();
-            return gpu::as<std::uint64_t>(gpu::readBuffer(device(), scratch.words.buffer(),
-                                                          8 * 97 * 65));
+            return gpu::as<std::uint64_t>(
+                gpu::readBuffer(device(), scratch.words.buffer(), 8 * 97 * 65));
         };
         const auto none = words(0);
         EXPECT_GT(none.size() - std::size_t(std::count(none.begin(), none.end(), 0u)), 1000u);

@@ -59,11 +59,15 @@ FrameSettings settingsOf(CullMode cull, const LodChoice& lod) {
 class OcclusionTest : public GpuTest {
 protected:
     /// Renders the same run of views both ways; the pictures must agree in every pixel.
-    void compare(const LodChoice& lod, int views, std::uint32_t seed) {
+    void compare(const LodChoice& lod, int views, std::uint32_t seed,
+                 CaptureBackend backend = CaptureBackend::automatic) {
         const Scene source = town(seed);
         scene::GpuScene onGpu(device(), source);
-        Frame plain(device(), onGpu, settingsOf(CullMode::frustum, lod));
-        Frame hidden(device(), onGpu, settingsOf(CullMode::hiz, lod));
+        FrameSettings settings = settingsOf(CullMode::frustum, lod);
+        settings.capture = backend;
+        Frame plain(device(), onGpu, settings);
+        settings.cull = CullMode::hiz;
+        Frame hidden(device(), onGpu, settings);
         small_scenes::Random random(seed + 1);
         Camera camera{.eye = {0, 2, 0}, .at = {4, 2, 1}, .verticalFov = 1.1f, .nearPlane = 0.05f};
         std::uint64_t hiddenInstances = 0, found = 0, hiddenClusters = 0;
@@ -96,6 +100,11 @@ protected:
 
 TEST_F(OcclusionTest, picturesAreTheSameWithAndWithoutIt) {
     compare({}, 90, 3);
+}
+
+TEST_F(OcclusionTest, picturesAreTheSameWhoeverCaptures) {
+    compare({}, 27, 5, CaptureBackend::supersample);
+    if (device().hasInt64Atomics()) compare({}, 27, 5, CaptureBackend::compute);
 }
 
 TEST_F(OcclusionTest, picturesAreTheSameWithLevelsOfDetail) {

@@ -44,7 +44,8 @@ std::uint64_t rowBytes(CaptureBackend backend, const CaptureSettings& s) {
     const std::uint64_t samples = std::uint64_t{s.base.width} * s.side * s.side;
     const std::uint64_t counts = 5 * s.base.width;
     if (backend == CaptureBackend::multisample) return 12 * samples + counts;  // at most
-    return 8 * samples + counts;
+    // In compute lists of tiles too: 8 bytes for 512 samples.
+    return 8 * samples + samples / 64 + counts;
 }
 
 std::uint32_t chooseRows(const gpu::Device& device, CaptureBackend backend,
@@ -58,6 +59,7 @@ std::uint32_t chooseRows(const gpu::Device& device, CaptureBackend backend,
         const auto& limits = device.physical().getProperties().limits;
         const std::uint64_t row = 8ull * s.base.width * s.side * s.side;
         rows = std::min<std::uint64_t>(rows, limits.maxStorageBufferRange / row);
+        rows = std::min<std::uint64_t>(rows, limits.maxTexelBufferElements / (row / 8));
     }
     // A recorder takes 128 passes, a band is three.
     rows = std::max<std::uint64_t>(rows, (s.base.height + 39) / 40);

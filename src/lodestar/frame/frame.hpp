@@ -229,8 +229,7 @@ private:
     bool listHolds = false;  ///< whether the last frame filled the list
     bool refines = false;    ///< whether it had a local rate
     gpu::Buffer viewBuffer, lightBuffer;
-    gpu::Image idImage, skyImage, coarseImage, termImage, radianceImage, shownImage,
-        displayImage;
+    gpu::Image idImage, skyImage, coarseImage, termImage, radianceImage, shownImage, displayImage;
     visibility::Surface surfaces;
 
     std::optional<BlendedLayer> layer;

@@ -342,9 +342,9 @@ void Cull::listTriangles(gpu::Recorder& rec, const scene::GpuScene& scene, DrawL
     const std::uint32_t triangles =
         second ? shared::LS_LIST_TRIANGLES_2 : shared::LS_LIST_TRIANGLES;
     const shared::PhaseParams phase{.phase = number, .table = list.table};
-    const auto bindings = scene::withScene(
-        scene, {list.params, scene.relief.displaced, scene.relief.masks, list.counts, list.masks,
-                list.triangleOffsets, list.projected});
+    const auto bindings =
+        scene::withScene(scene, {list.params, scene.relief.displaced, scene.relief.masks,
+                                 list.counts, list.masks, list.triangleOffsets, list.projected});
     shared::ProjectParams params{.phase = number, .table = list.table};
     if (!list.samples) {
         rec.dispatchIndirect(cullTriangles, list.counts, at(clusters, kWords), bindings, params);
@@ -357,8 +357,7 @@ void Cull::listTriangles(gpu::Recorder& rec, const scene::GpuScene& scene, DrawL
         params.capacity = list.projectedClusters;
         rec.dispatchIndirect(
             project, list.counts, at(clusters, kWords),
-            scene::withScene(scene,
-                             {scene.meshletVertices, list.counts, list.projected.buffer()}),
+            scene::withScene(scene, {scene.meshletVertices, list.counts, list.projected.buffer()}),
             params);
         rec.barrier(Stage::compute, Stage::compute);
         rec.barrier(Stage::compute, Stage::indirect);

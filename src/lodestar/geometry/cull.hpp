@@ -70,7 +70,7 @@ struct DrawList {
     /// Of the first clusters, for CullView::samples: 64 words of RGBA32_UINT a cluster, one a
     /// vertex (project.comp).
     gpu::TexelBuffer projected;
-    std::uint32_t projectedClusters;  ///< at most
+    std::uint32_t projectedClusters;        ///< at most
     std::optional<SampledPicture> samples;  ///< what they were projected for
 
     // What the passes hand on.
@@ -113,8 +113,8 @@ private:
     void scan(gpu::Recorder&, const gpu::Buffer& values, const DrawList&,
               const shared::ScanParams&) const;
 
-    gpu::Kernel cullChunks, listChunks, cullInstances, cullClusters, compact, project, cullTriangles,
-        cullProjected, emit;
+    gpu::Kernel cullChunks, listChunks, cullInstances, cullClusters, compact, project,
+        cullTriangles, cullProjected, emit;
     gpu::Kernel scanBlocks, scanTotals;
     gpu::TexelBuffer noPyramid;
 };

@@ -42,20 +42,26 @@ bool canCoverAPixel(vec4 a, vec4 b, vec4 c, bool doubleSided) {
     return doubleSided || area < kSnap * (reach + kSnap);
 }
 
-/// The same of projected vertices, in the samples that will be asked.
+/// The same of projected vertices, in the samples that will be asked. Clipping rounds anew: a step or
+/// two of those.
 bool canCoverASample(uvec4 a, uvec4 b, uvec4 c) {
-    const uint any = a.w | b.w | c.w;
-    if ((any & LS_PROJECTED_CLIP) != 0) return (a.w & b.w & c.w & LS_PROJECTED_OUTSIDE) == 0;
+    const uint flags = a.w | b.w | c.w;
+    if ((a.w & b.w & c.w & LS_PROJECTED_OUTSIDE) != 0) return false;
+    if ((flags & LS_PROJECTED_NOWHERE) != 0) return true;
+    const int slack = (flags & LS_PROJECTED_CLIP) != 0 ? 2 : 0;
     const ivec2 p = ivec2(a.xy), q = ivec2(b.xy), r = ivec2(c.xy);
-    const ivec2 low = min(p, min(q, r)), high = max(p, max(q, r));
-    const int half_ = int(LS_PROJECTED_STEPS / 2);
-    const ivec2 first = max((low + (half_ - 1)) >> 8, ivec2(0, push.firstRow));
-    const ivec2 last = min((high - half_) >> 8, ivec2(push.size.x, push.firstRow + push.rows) - 1);
+    const ivec2 low = min(p, min(q, r)) - slack, high = max(p, max(q, r)) + slack;
+    const int middle = int(LS_PROJECTED_STEPS / 2);
+    const ivec2 first = max((low + (middle - 1)) >> 8, ivec2(0, push.firstRow));
+    const ivec2 last = min((high - middle) >> 8, ivec2(push.size.x, push.firstRow + push.rows) - 1);
+    if (any(greaterThan(first, last))) return false;
+    // Twice the area, positive when seen from behind (y runs down).
     const vec2 u = vec2(q - p), v = vec2(r - p);
     const float one = u.x * v.y, other = u.y * v.x;
-    const float area = (any & LS_PROJECTED_REFLECTED) != 0 ? other - one : one - other;
-    const bool front = area < (abs(one) + abs(other)) * 1e-6 || (any & LS_PROJECTED_DOUBLE_SIDED) != 0;
-    return front && all(lessThanEqual(first, last));
+    const float area = (flags & LS_PROJECTED_REFLECTED) != 0 ? other - one : one - other;
+    const float rounding = (abs(one) + abs(other)) * 1e-6 +
+                           float(slack) * (abs(u.x) + abs(u.y) + abs(v.x) + abs(v.y) + float(slack));
+    return area < rounding || (flags & LS_PROJECTED_DOUBLE_SIDED) != 0;
 }
 
 /// Those of the cluster's triangles in a word that refined meshlets stand for.

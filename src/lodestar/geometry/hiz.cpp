@@ -51,8 +51,7 @@ HiZ::HiZ(const gpu::Device& device, vk::Extent2D size, const std::string& name)
       sampler(device.vk(), vk::SamplerCreateInfo{}) {}
 
 void HiZ::record(gpu::Recorder& rec, gpu::View depth, const glm::mat4& clipFromWorld) {
-    recordLevels(rec, fromImage, {{depth, sampler}, texels.buffer()}, depth.extent,
-                 clipFromWorld);
+    recordLevels(rec, fromImage, {{depth, sampler}, texels.buffer()}, depth.extent, clipFromWorld);
 }
 
 void HiZ::record(gpu::Recorder& rec, const gpu::TexelBuffer& words, vk::Extent2D size,

@@ -43,10 +43,12 @@ void main() {
     for (uint i = thread % LS_WORDS; i < count; i += LS_WORDS) {
         const uint vertex = texelFetch(meshletVertices, int(meshlet.y + i)).x;
         const vec4 clip = clipOf(push.clipFromWorld, instance, vertex);
-        const bool near = inReach(clip);
-        const ivec2 at = near ? snappedTo(clip, push.size) : ivec2(0);
+        const bool placed = clip.z <= clip.w && clip.w > 0 &&
+                            max(abs(clip.x), abs(clip.y)) < 32 * clip.w;
+        const ivec2 at = placed ? snappedTo(clip, push.size) : ivec2(0);
         vertices[slot * LS_MESHLET_VERTICES + i] =
             uvec4(at, floatBitsToUint(clip.z / clip.w),
-                  flags | outside(clip) | (near ? 0 : LS_PROJECTED_CLIP));
+                  flags | outside(clip) | (inReach(clip) ? 0 : LS_PROJECTED_CLIP) |
+                      (placed ? 0 : LS_PROJECTED_NOWHERE));
     }
 }

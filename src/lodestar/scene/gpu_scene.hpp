@@ -104,9 +104,9 @@ public:
     std::uint32_t lightCount() const { return lightsUsed; }
 
     gpu::TexelBuffer vertices, attributes, triangles, meshlets, instances, materials, meshes, lods,
-        chunks;                  ///< the records of gpu_types.h
+        chunks;                        ///< the records of gpu_types.h
     gpu::TexelBuffer meshletVertices;  ///< numbers of the vertices of each meshlet
-    gpu::TexelBuffer drawOrder;  ///< numbers of the instances, those of a chunk together
+    gpu::TexelBuffer drawOrder;        ///< numbers of the instances, those of a chunk together
     /// What ids name: GpuCluster records, the parts of TablePart one after another. Those of the
     /// eye and of lights are written on the device by geometry::Cull for each view, so whoever
     /// reads ids of one must do so before another view is culled into the same part.

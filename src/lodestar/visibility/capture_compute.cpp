@@ -53,16 +53,17 @@ CaptureCompute::Queue CaptureCompute::makeQueue(const gpu::Device& device,
                                                 const scene::SceneFeatures& f, bool masked) {
     const auto kernel = [&](const char* name, std::span<const std::uint32_t> code,
                             bool projected = true) {
-        std::vector<gpu::SlotArray> slots{
-            Slot::texelBuffer, {Slot::sampledImage, shared::LS_TEXTURE_ARRAYS}};
+        std::vector<gpu::SlotArray> slots{Slot::texelBuffer,
+                                          {Slot::sampledImage, shared::LS_TEXTURE_ARRAYS}};
         slots.insert(slots.end(), 6, Slot::texelBuffer);
         slots.insert(slots.end(), 7, Slot::storageBuffer);
         return gpu::Kernel(device, std::string("capture: ") + name + (masked ? ", masked" : ""),
                            code, scene::withSceneSlots(slots), sizeof(shared::CaptureComputeParams),
                            {f.uvTransforms, masked, f.baseColorArrays, kSmallSamples, projected});
     };
-    return {kernel("small triangles", kSmallCode), kernel("unprojected triangles", kSmallCode, false),
-            kernel("clip", kClipCode), kernel("split", kSplitCode), kernel("tiles", kTileCode)};
+    return {kernel("small triangles", kSmallCode),
+            kernel("unprojected triangles", kSmallCode, false), kernel("clip", kClipCode),
+            kernel("split", kSplitCode), kernel("tiles", kTileCode)};
 }
 
 CaptureCompute::CaptureCompute(const gpu::Device& device, const scene::SceneFeatures& features)
@@ -149,11 +150,21 @@ void CaptureCompute::recordQueue(gpu::Recorder& rec, const scene::GpuScene& scen
                                  const shared::CaptureComputeParams& params, const Scratch& scratch,
                                  const Queue& queue, const gpu::Buffer& counts) const {
     using Counts = shared::CaptureQueueCounts;
-    const auto bindings = scene::withScene(
-        scene, {scene.materials, {scene.textureViews(), sampler}, scene.secondUvs, list.ids,
-                list.projected, scratch.words, scratch.large, scratch.jobs, scratch.words.buffer(),
-                counts, scratch.large.buffer(), scratch.jobs.buffer(), scratch.heads,
-                scratch.touched, scratch.clipped});
+    const auto bindings = scene::withScene(scene, {scene.materials,
+                                                   {scene.textureViews(), sampler},
+                                                   scene.secondUvs,
+                                                   list.ids,
+                                                   list.projected,
+                                                   scratch.words,
+                                                   scratch.large,
+                                                   scratch.jobs,
+                                                   scratch.words.buffer(),
+                                                   counts,
+                                                   scratch.large.buffer(),
+                                                   scratch.jobs.buffer(),
+                                                   scratch.heads,
+                                                   scratch.touched,
+                                                   scratch.clipped});
     rec.barrier(Stage::compute, Stage::transfer);
     rec.fill(scratch.heads, 0);
     rec.barrier(Stage::transfer, Stage::compute);

@@ -10,7 +10,7 @@ const uint LS_CAPTURE_TILE_HEIGHT = 16;
 const uint LS_CAPTURE_SPLITTERS = 8;       // threads that cut one large triangle
 const uint LS_CAPTURE_CLIPPED = 262144;    // room for triangles to clip
 const uint LS_CAPTURE_LARGE = 65536;       // room for large triangles
-const uint LS_CAPTURE_JOBS = 1u << 20;     // room for tiles of large triangles
+const uint LS_CAPTURE_JOBS = 1u << 19;     // room for tiles of large triangles
 const uint LS_CAPTURE_MOST_GROUPS = 8192;  // workgroups over a queue
 
 struct CaptureComputeParams {
