@@ -90,8 +90,9 @@ CaptureBackend chooseBackend(const gpu::Device& device, const CaptureSettings& s
     constexpr std::uint64_t kSamplesOfSmall = 12;
     const std::uint64_t samples = std::uint64_t{s.base.width} * s.base.height * s.side * s.side;
     const bool small = listed * kSamplesOfSmall >= samples;
-    return small && device.hasInt64Atomics() ? CaptureBackend::compute
-                                             : CaptureBackend::supersample;
+    const bool cpu = device.description().type == "Cpu";
+    return (small || !cpu) && device.hasInt64Atomics() ? CaptureBackend::compute
+                                                       : CaptureBackend::supersample;
 }
 
 CaptureBackend chooseBackend(const gpu::Device& device, const scene::GpuScene& scene,

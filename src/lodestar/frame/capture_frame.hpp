@@ -32,9 +32,9 @@ struct CaptureSettings {
     std::optional<geometry::LodChoice> lod = std::nullopt;
 };
 
-/// The rule of CaptureBackend::automatic: compute where a triangle of the view covers few samples,
-/// supersampling elsewhere (docs/visibility.md has the measurements behind it). Culls for the view
-/// and waits.
+/// The rule of CaptureBackend::automatic: on a GPU compute; on a CPU compute where a triangle of
+/// the view covers few samples, supersampling elsewhere (docs/visibility.md has the measurements
+/// behind it). Culls for the view and waits.
 CaptureBackend chooseBackend(const gpu::Device&, const scene::GpuScene&, const CaptureSettings&,
                              const scene::Camera&);
 /// The same when `listed` triangles are known to be drawn.
