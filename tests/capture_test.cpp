@@ -236,6 +236,27 @@ TEST_F(CaptureTest, trianglesThatShareAnEdgeShareNoSampleAndLeaveNone) {
     EXPECT_GT(sameShare(found, ids(fan, {.base = {35, 35}, .side = 1, .backend = kSs})), 0.97);
 }
 
+TEST_F(CaptureTest, levelsOfDetailAreChosenOnceForAllBands) {
+    const Subject spheres(device(), "spheres", 0);
+    for (const CaptureBackend backend : {kSs, kMs, kCompute}) {
+        CaptureSettings settings{.base = {48, 30}, .side = 4, .backend = backend};
+        const auto finest = ids(spheres, settings);
+        settings.lod = {.mode = geometry::LodChoice::Mode::error, .errorPx = 0.5f, .distances = {}};
+        const Record whole = capture(spheres, settings);
+        const auto coarse = visibility::expandReference(whole);
+        const auto different = [](std::vector<std::uint32_t> of) {
+            std::sort(of.begin(), of.end());
+            return std::unique(of.begin(), of.end()) - of.begin();
+        };
+        EXPECT_LT(different(coarse), different(finest)) << int(backend);
+        EXPECT_NEAR(double(covered(coarse)), double(covered(finest)), 0.02 * double(finest.size()));
+        for (const std::uint32_t rows : {1u, 7u}) {
+            settings.bandRows = rows;
+            expectSameBytes(capture(spheres, settings), whole);
+        }
+    }
+}
+
 TEST_F(CaptureTest, aPoolThatIsTooSmallIsFoundAndGrown) {
     const Subject columns(device(), "columns", 0);
     CaptureSettings settings{.base = {40, 24}, .side = 8, .backend = kCompute};

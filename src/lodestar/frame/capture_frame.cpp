@@ -124,30 +124,25 @@ CaptureFrame::CaptureFrame(const gpu::Device& owner, const scene::GpuScene& gpuS
       settings(checked(s)),
       used(usedBackend(owner, gpuScene, s)),
       bandRows(chooseRows(owner, used, s)),
-      transient(owner.allocatedBytes()),
       cull(owner),
       draws(owner, gpuScene, "capture", s.lod ? scene::TablePart::eye : scene::TablePart::whole,
             used == CaptureBackend::compute ? geometry::kProjectedClusters : 0),
-      implementation([&] {
-          transient = owner.allocatedBytes();  // the list is what is drawn, not how it is captured
-          auto made = std::make_optional(makeBackend());
-          // Drivers align what images take, more than can be known before.
-          const auto took = [&] {  // with what compacting will
-              return owner.allocatedBytes() - transient + 5ull * s.base.width * bandRows +
-                     (128u << 10);
-          };
-          while (s.bandRows == 0 && bandRows > 1 && took() > s.transientBytes) {
-              made.reset();
-              bandRows -= std::max(bandRows / 16, 1u);
-              made.emplace(makeBackend());
-          }
-          return std::move(*made);
-      }()),
+      working(makeWorking()),
       compactPass(owner, s.side),
-      scratch(owner, s.base.width * bandRows),
-      out((transient = owner.allocatedBytes() - transient, owner), s.base, s.side, firstPool(s),
-          bandCount(s.base.height, bandRows)),
+      out(owner, s.base, s.side, firstPool(s), bandCount(s.base.height, bandRows)),
       rec(owner) {}
+
+/// Bands are chosen by the bytes of their texels; what drivers align those to shows when they are
+/// there, and takes rows off.
+CaptureFrame::Working CaptureFrame::makeWorking() {
+    for (;; bandRows -= std::max(bandRows / 16, 1u)) {
+        const std::uint64_t before = device->allocatedBytes();
+        Working made{makeBackend(), {*device, settings.base.width * bandRows}};
+        transient = device->allocatedBytes() - before;
+        if (transient <= settings.transientBytes || settings.bandRows > 0 || bandRows == 1)
+            return made;
+    }
+}
 
 CaptureFrame::Backend CaptureFrame::makeBackend() const {
     const auto& features = scene->features();
@@ -193,7 +188,10 @@ geometry::SampledPicture CaptureFrame::pictureOf(const Band& band,
 /// stands for a mesh must be the same in all bands.
 void CaptureFrame::listTriangles(gpu::Recorder& r, const Band& band, const glm::mat4& clipFromWorld,
                                  glm::vec3 eye) {
-    if (settings.lod && band.index > 0) return;
+    if (settings.lod && band.index > 0) {
+        r.barrier(Stage::compute, Stage::raster);  // what is drawn over has been compacted
+        return;
+    }
     if (band.index > 0) {  // the previous band's readers are done with the list
         r.barrier(Stage::raster, Stage::compute);
         r.barrier(Stage::compute, Stage::compute);
@@ -226,7 +224,7 @@ void CaptureFrame::recordBand(gpu::Recorder& r, const Band& band, const glm::mat
                               glm::vec3 eye) {
     listTriangles(r, band, clipFromWorld, eye);
     visibility::Samples samples;
-    if (auto* ss = std::get_if<Supersample>(&implementation)) {
+    if (auto* ss = std::get_if<Supersample>(&working.backend)) {
         const vk::Viewport whole{.y = -static_cast<float>(band.firstRow * settings.side),
                                  .width = static_cast<float>(gridC().width),
                                  .height = static_cast<float>(gridC().height),
@@ -234,17 +232,17 @@ void CaptureFrame::recordBand(gpu::Recorder& r, const Band& band, const glm::mat
         ss->pass.record(r, *scene, draws, clipFromWorld, {ss->ids, ss->depth, whole}, "capture");
         r.barrier(Stage::raster, Stage::compute);
         samples.ids = &ss->ids;
-    } else if (auto* ms = std::get_if<Multisample>(&implementation)) {
+    } else if (auto* ms = std::get_if<Multisample>(&working.backend)) {
         ms->pass.record(r, *scene, draws, clipFromWorld, settings.base, band, ms->scratch);
         samples.ids = &ms->scratch.ids;
     } else {
-        auto& compute = std::get<Compute>(implementation);
+        auto& compute = std::get<Compute>(working.backend);
         if (band.index > 0) r.barrier(Stage::compute, Stage::transfer);
         compute.pass.record(r, *scene, draws, pictureOf(band, clipFromWorld), compute.scratch,
                             "capture", geometry::DrawPhase::first);
         samples.words = &compute.scratch.words;
     }
-    compactPass.record(r, samples, band, scratch, out);
+    compactPass.record(r, samples, band, working.compact, out);
 }
 
 CaptureFrame::Done CaptureFrame::capture(const scene::Camera& camera) {

@@ -86,7 +86,13 @@ private:
         visibility::CaptureCompute::Scratch scratch;
     };
     using Backend = std::variant<Supersample, Multisample, Compute>;
+    /// What exists only during a capture, for one band.
+    struct Working {
+        Backend backend;
+        visibility::Compact::Scratch compact;
+    };
     Backend makeBackend() const;
+    Working makeWorking();
     geometry::SampledPicture pictureOf(const visibility::Band&,
                                        const glm::mat4& clipFromWorld) const;
     void listTriangles(gpu::Recorder&, const visibility::Band&, const glm::mat4& clipFromWorld,
@@ -103,9 +109,8 @@ private:
 
     geometry::Cull cull;
     geometry::DrawList draws;
-    Backend implementation;
+    Working working;
     visibility::Compact compactPass;
-    visibility::Compact::Scratch scratch;
     visibility::CompactRecord out;
     gpu::Recorder rec;
 };
