@@ -11,6 +11,7 @@
 
 #include "app/bench/benches.hpp"
 #include "app/bench/published.hpp"
+#include "app/capture.hpp"
 #include "app/console.hpp"
 #include "app/frame_options.hpp"
 #include "app/geometry_options.hpp"
@@ -111,14 +112,19 @@ struct Mode {
     frame::CaptureBackend capture;
 };
 
+/// What captures the frames, which is not automatic.
+frame::CaptureBackend captureOf(const BenchOptions& options, const gpu::Device& device) {
+    using frame::CaptureBackend;
+    if (options.settings.capture != CaptureBackend::automatic) return options.settings.capture;
+    return visibility::CaptureCompute::fits(device, options.settings.size)
+               ? CaptureBackend::compute
+               : CaptureBackend::supersample;
+}
+
 /// The six modes, and what the raster pipeline makes of the first.
 std::vector<Mode> modesOf(const BenchOptions& options, const gpu::Device& device) {
     using frame::CaptureBackend;
-    CaptureBackend capture = options.settings.capture;
-    if (capture == CaptureBackend::automatic)
-        capture = visibility::CaptureCompute::fits(device, options.settings.size)
-                      ? CaptureBackend::compute
-                      : CaptureBackend::supersample;
+    const CaptureBackend capture = captureOf(options, device);
     std::vector<Mode> modes;
     for (const bool lod : {false, true})
         for (const CullMode mode : {CullMode::none, CullMode::frustum, CullMode::hiz})
@@ -152,7 +158,7 @@ Result<void> measureModes(const BenchCase& what, const BenchOptions& options, Be
         const quality::RgbImage picture = readDisplay(*session.device, frame);
         if (plain.rgb.empty()) plain = picture;
         Json row = rowStart("modes", what, options);
-        row["capture"] = frame::kCaptureBackendNames[static_cast<std::size_t>(capture)];
+        row["capture"] = nameOf(capture);
         row["culling"] = nameOf(mode);
         row["lod"] = nameOf(settings.lod);
         times.write(row);
@@ -167,8 +173,7 @@ Result<void> measureModes(const BenchCase& what, const BenchOptions& options, Be
         bar.update(++done);
         const fs::path file =
             options.out / fmt::format("geometry-lod.{}.{}.{}.{}.png", sceneSlug(what.scene),
-                                      nameOf(mode), lod ? "lod" : "off",
-                                      row.at("capture").get<std::string>());
+                                      nameOf(mode), lod ? "lod" : "off", nameOf(capture));
         result.files.push_back(file);
         if (auto written = writePng(file, picture); !written) return written;
     }
@@ -269,14 +274,15 @@ Result<BenchResult> runScale(const BenchOptions& options) {
             settings.cull = mode;
             settings.lod = lod ? allowed(options.settings.lod.errorPx) : LodChoice{};
             // What culling is compared with is the raster pipeline's time.
-            if (!lod) settings.capture = frame::CaptureBackend::supersample;
+            settings.capture =
+                lod ? captureOf(options, *session.device) : frame::CaptureBackend::supersample;
             frame::Frame frame(*session.device, *session.gpuScene, settings);
             warmUp([&] { return frame.render(camera, {}); });
             Times times;
             for (int i = 0; i < options.rounds; ++i) times.add(frame.render(camera, {}));
             Json row = rowStart("scale", what, options);
             row["instances"] = n;
-            row["capture"] = lod ? "as chosen" : "ss";
+            row["capture"] = nameOf(settings.capture);
             row["culling"] = nameOf(mode);
             row["lod"] = nameOf(settings.lod);
             times.write(row);
