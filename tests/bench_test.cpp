@@ -15,6 +15,7 @@
 #include "app/bench/depth_edges.hpp"
 #include "app/bench/gbuffer.hpp"
 #include "app/bench/published.hpp"
+#include "app/bench/results.hpp"
 #include "app/image_io.hpp"
 #include "app/judge.hpp"
 #include "gpu_device.hpp"
@@ -158,6 +159,40 @@ TEST(Bench, refusesANameItDoesNotKnow) {
     TempFolder folder;
     EXPECT_THROW(static_cast<void>(runBench("no-such", quickOptions(folder))),
                  std::invalid_argument);
+}
+
+TEST(Results, holdTheNewestRunOfEachBenchAndLeaveOtherFilesAlone) {
+    TempFolder folder;
+    const auto write = [&](const char* name, double ms) {
+        const Bench bench{.name = name,
+                          .what = "a bench",
+                          .run = nullptr,
+                          .bars = nullptr,
+                          .tables = {{"speed", {"scene", "frame_ms"}}},
+                          .onCpu = {},
+                          .onGpu = {}};
+        BenchResult result;
+        result.report.settings = {{"width", 8}, {"height", 4}, {"rounds", 1}};
+        result.rows = {{{"measures", "speed"}, {"scene", "a"}, {"frame_ms", ms}}};
+        result.bars = {{"a bar", ms, "ms", "<= 1", ms <= 1}};
+        return writeResult(bench, result, folder / ".");
+    };
+    ASSERT_TRUE(write("ssao", 4));
+    ASSERT_TRUE(write("dof", 2));
+    ASSERT_TRUE(write("ssao", 3));
+    const Json all = Json::parse(folder.read("results.json")).at("benches");
+    EXPECT_EQ(all.size(), 2u);
+    EXPECT_EQ(all.at("ssao").at("rows").at(0).at("frame_ms"), 3);
+    EXPECT_EQ(all.at("dof").at("bars").at(0).at("holds"), false);
+    const std::string page = folder.read("results.md");
+    EXPECT_LT(page.find("## ssao"), page.find("## dof"));  // as `bench list` has them
+    EXPECT_NE(page.find("MISSED"), std::string::npos);
+
+    folder.write("results.json", "[1, 2]");
+    const auto refused = write("dof", 2);
+    ASSERT_FALSE(refused);
+    EXPECT_NE(refused.error().message.find("results.json"), std::string::npos);
+    EXPECT_EQ(folder.read("results.json"), "[1, 2]");
 }
 
 TEST(AttributeComparison, gbufferHoldsWhatIsRebuilt) {

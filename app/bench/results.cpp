@@ -91,12 +91,17 @@ std::string csvCell(const Json& value) {
     return quoted + '"';
 }
 
-/// What an earlier run left in the folder. What cannot be read is begun anew.
-Json resultsIn(const fs::path& file) {
+/// What earlier runs left in the folder.
+Result<Json> resultsIn(const fs::path& file) {
+    std::error_code ignored;
+    if (!fs::exists(file, ignored)) return Json{{"benches", Json::object()}};
     std::ifstream in(file);
     Json all = Json::parse(in, nullptr, false);
     if (!all.is_object() || !all.contains("benches") || !all["benches"].is_object())
-        all = {{"benches", Json::object()}};
+        return fail(
+            fmt::format("{}: holds no results of `lodestar bench`: move it away, or give "
+                        "another --out",
+                        file.string()));
     return all;
 }
 
@@ -171,7 +176,9 @@ Result<Json> writeResult(const Bench& bench, BenchResult& result, const fs::path
     if (const auto done = writeWholeFile(stem.string() + ".csv", csvOf(result.rows)); !done)
         return tl::unexpected(done.error());
 
-    Json all = resultsIn(folder / "results.json");
+    auto earlier = resultsIn(folder / "results.json");
+    if (!earlier) return tl::unexpected(earlier.error());
+    Json& all = *earlier;
     all["benches"][bench.name] = {{"device", json.at("device")},
                                   {"driver", json.at("driver")},
                                   {"version", json.at("lodestar")},
