@@ -52,6 +52,7 @@ Result<void> measure(const BenchCase& what, const BenchOptions& options, BenchRe
     // Of a scale: without blur, then by rates.
     std::array<std::array<Case, kRates.size() + 1>, kScales.size()> all;
     Progress bar("motion blur", std::size_t(options.rounds) * kScales.size());
+    warmUp([&] { return still.render(camera, {}); });
     for (int round = 0; round < options.rounds; ++round)
         for (std::size_t s = 0; s < kScales.size(); ++s) {
             for (std::size_t i = 0; i < all[s].size(); ++i) {

@@ -119,6 +119,7 @@ Result<void> measure(const OpenCase& open, const BenchCase& what, const Subject&
     Progress bar(fmt::format("{} {}x{}, rate {}", subject.name, base.width, base.height, rate),
                  std::size_t(rounds + kWarmUp));
     for (int round = -kWarmUp; round < rounds; ++round) {
+        if (round == 0) warmUp([&] { return all[0].frame->render(camera, {}); });
         for (std::size_t i = 0; i < kMethods.size(); ++i) {
             Measured& one = all[i];
             if (!one.frame) {

@@ -138,6 +138,7 @@ Result<void> measureScene(const BenchCase& what, const BenchOptions& options, Be
     std::vector<std::uint8_t> edges;
     Progress bar("measuring", static_cast<std::size_t>(options.rounds + kWarmUp) * kScales.size());
     std::size_t done = 0;
+    warmUp([&] { return frame.render(camera, {}); });
     for (int round = -kWarmUp; round < options.rounds; ++round)
         for (std::size_t i = 0; i < kScales.size(); ++i) {
             const auto times = frame.render(camera, {.renderScale = kScales[i]});
