@@ -362,8 +362,11 @@ TEST_F(FrameTest, capturedInComputeThePictureIsThatOfRasterButForSnapping) {
                 settings.cull = geometry::CullMode::hiz;
                 Stage stage(device(), *scene::buildBuiltin(name), settings);
                 const Camera camera = cameraOf(stage.source, 1);
-                for (int frame = 0; frame < 2; ++frame)
-                    stage.frame.render(camera, {.renderScale = scale});
+                stage.frame.render(camera, {.renderScale = scale});
+                const auto passes = stage.frame.render(camera, {.renderScale = scale}).passes;
+                EXPECT_EQ(std::any_of(passes.begin(), passes.end(),
+                                      [](const auto& pass) { return pass.name == "ids"; }),
+                          backend == CaptureBackend::compute);
                 const auto rgba = gpu::readImage(device(), stage.frame.display());
                 pictures.emplace_back();
                 for (const auto byte : rgba) pictures.back().push_back(std::uint8_t(byte));
