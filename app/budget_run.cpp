@@ -36,13 +36,18 @@ Run renderRun(const Session& session, frame::Frame& frame, const scene::Camera& 
               Result<void>& outcome) {
     Run run;
     budget::Levers levers = options.levers;
+    // Each axis gets the controller's S, but no more than targets were made for.
+    const budget::AxisScale most = levers.renderScale.atLeast(1);
+    const auto both = [&](double s) {
+        return budget::AxisScale(static_cast<float>(s)).atMost(most);
+    };
     std::optional<budget::YangController> controller;
     std::optional<budget::ProportionalController> scaling;
     if (options.targetMs && options.proportional) {
         budget::ProportionalSettings settings = *options.proportional;
         settings.targetMs = *options.targetMs;
         scaling.emplace(settings, std::clamp(1.0, settings.least, settings.most));
-        levers.renderScale = static_cast<float>(scaling->scale());
+        levers.renderScale = both(scaling->scale());
     } else if (options.targetMs) {
         budget::YangSettings settings{.targetMs = *options.targetMs,
                                       .k = options.calibration.model.k};
@@ -65,15 +70,17 @@ Run renderRun(const Session& session, frame::Frame& frame, const scene::Camera& 
         run.costs.push_back(costs);
         run.lastRate = levers.shadingRate;
         run.lastCamera = camera;
-        run.scales.push_back(levers.renderScale);
+        run.scales.push_back(levers.renderScale.mean());
         if (controller) {
             run.trace.add({levers.shadingRate, costs.gpuMs, *options.targetMs});
             levers.shadingRate = controller->next(costs).shadingRate;
             run.saturated = controller->saturated();
         }
         if (scaling) {
-            run.trace.add({std::max(1.0f, 1 / levers.renderScale), costs.gpuMs, *options.targetMs});
-            levers.renderScale = scaling->next(costs).renderScale;
+            run.trace.add(
+                {std::max(1.0f, 1 / levers.renderScale.mean()), costs.gpuMs, *options.targetMs});
+            scaling->next(costs);
+            levers.renderScale = both(scaling->scale());
             run.saturated = scaling->saturated();
         }
         // Samples: the last frame of each of `samples` equal parts of the run.

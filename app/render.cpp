@@ -252,7 +252,7 @@ Result<void> run(Options options) {
         session->gpuScene->animate(static_cast<float>(options.seconds));
     options.settings.size = vk::Extent2D{static_cast<std::uint32_t>(options.view.size.width),
                                          static_cast<std::uint32_t>(options.view.size.height)};
-    options.settings.maxScale = std::max(1.0f, options.levers.renderScale);
+    options.settings.maxScale = options.levers.renderScale.atLeast(1);
     options.settings.motion = std::count(options.aovs.begin(), options.aovs.end(), "motion") > 0;
     frame::Frame frame(*session->device, *session->gpuScene, options.settings);
     fmt::print("{} at {}x{} on {}\n", printable(options.scene), options.view.size.width,
@@ -283,7 +283,7 @@ Result<void> run(Options options) {
         outcome.targetMs = options.budget->targetMs(outcome.calibration.fullMs);
         if (options.controller != "none") runOptions.targetMs = outcome.targetMs;
         if (options.controller == "proportional")
-            runOptions.proportional = {.most = std::max(1.0f, options.levers.renderScale),
+            runOptions.proportional = {.most = options.settings.maxScale.largest(),
                                        .hysteresis = options.hysteresis,
                                        .bands = options.bands};
     }

@@ -159,6 +159,25 @@ TEST_F(LayerTest, aCoarseLayerNeitherLeaksOverEdgesNorLeavesGaps) {
     }
 }
 
+TEST_F(LayerTest, aViewportOfAnyShapeHasTheLayerThatATargetOfItsSizeHas) {
+    const Scene source = panes({{-1, {0.2f, 0.2f, 0.2f}, 1}, {0, {0.9f, 0.1f, 0.1f}, 0.6f}});
+    const scene::GpuScene onGpu(device(), source);
+    FrameSettings s = settings();
+    s.aspect = 1.5f;
+    Frame large(device(), onGpu, s);
+    for (const auto& [scale, size] :
+         {std::pair{budget::AxisScale(0.5f, 1), vk::Extent2D{36, 48}}, {{1, 0.5f}, {72, 24}}})
+        for (const float layerScale : {1.0f, 0.5f}) {
+            large.render(view(), {});  // what the unused part then holds
+            large.render(view(), {.renderScale = scale, .layerScale = layerScale});
+            FrameSettings small = s;
+            small.size = size;
+            Frame alone(device(), onGpu, small);
+            alone.render(view(), {.layerScale = layerScale});
+            EXPECT_EQ(radiance(large), radiance(alone)) << scale.x << " " << layerScale;
+        }
+}
+
 TEST_F(LayerTest, aMovingPaneLeavesNoGhostInTheHistory) {
     Scene source = panes({{-1, {0.2f, 0.2f, 0.2f}, 1}, {0, {0.9f, 0.5f, 0.1f}, 0.6f}});
     source.nodes[source.instances[1].node].scale = {0.3f, 0.5f, 1};

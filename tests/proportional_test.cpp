@@ -54,7 +54,7 @@ TEST(Proportional, followsTheLawOfTheSource) {
     // t = (22 + 26) / 2 = 24: S' = 0.8 + 0.5 · 0.8 · (20 − 24) / 20
     const Levers levers = controller.next({.gpuMs = 22, .passes = {}, .intervalMs = 26});
     EXPECT_NEAR(controller.scale(), 0.72, 1e-12);
-    EXPECT_FLOAT_EQ(levers.renderScale, 0.72f);
+    EXPECT_EQ(levers.renderScale, AxisScale(0.72f));
     EXPECT_EQ(levers.shadingRate, 1);
 }
 

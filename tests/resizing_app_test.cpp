@@ -106,6 +106,23 @@ TEST(LeverOptions, allOfThemReachTheFrameInAnyOrder) {
     const Json c = settingsOf(" --scale 0.5 --full-resize --shading-rate 2");
     EXPECT_EQ(c.at("render_scale"), 0.5);
     EXPECT_EQ(c.at("full_resize"), true);
+    const Json d = settingsOf(" --scale 0.5x1 --temporal lodestar --frames 2 --validate");
+    EXPECT_EQ(d.at("render_scale_axes"), Json::array({0.5, 1}));
+    EXPECT_NEAR(d.at("render_scale").get<double>(), std::sqrt(0.5), 1e-6);
+    EXPECT_EQ(settingsOf(" --scale 1x1.5").at("max_scale"), 1.5);
+}
+
+TEST(LeverOptions, aScaleThatIsNoneIsRefusedInOneLine) {
+    const TempFolder folder;
+    const std::string command =
+        "render builtin:spheres --size 48x32 --out " + (folder / "p.png").string() + " --scale ";
+    for (const std::string wrong :
+         {"0.4", "2.5", "0.4x1", "1x3", "1x", "x1", "1x1x1", "1,1", "nan", "1xinf"}) {
+        const auto [status, line] = run(folder, command + wrong);
+        EXPECT_EQ(status, 2) << wrong;
+        EXPECT_NE(line.find("'" + wrong + "' is no scale"), std::string::npos) << line;
+        EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << line;
+    }
 }
 
 TEST(EffectOptions, reachTheFrameAndWrongOnesAreRefusedInALine) {
