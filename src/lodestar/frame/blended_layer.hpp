@@ -46,6 +46,7 @@ public:
 
 private:
     void makeRoom(std::uint32_t capacity);
+    std::uint32_t mostOf(vk::Extent2D size) const;
     void shade(gpu::Recorder&, const scene::GpuScene&, const Shading&, const Over&,
                vk::Extent2D size);
 
