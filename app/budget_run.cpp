@@ -31,23 +31,39 @@ Calibration calibrate(frame::Frame& frame, const scene::Camera& camera,
             budget::fitCostModel(2, budget::median(times[1]), 4, budget::median(times[2]))};
 }
 
+Json traceRows(const Run& run) {
+    Json rows = Json::array();
+    for (const budget::TraceFrame& f : run.trace.frames()) {
+        const std::size_t i = rows.size();
+        const budget::Levers& levers = run.levers[i];
+        Json row = {{"frame", i},
+                    {"r", levers.shadingRate},
+                    {"s", levers.renderScale.mean()},
+                    {"s_x", levers.renderScale.x},
+                    {"s_y", levers.renderScale.y},
+                    {"layer_scale", levers.layerScale},
+                    {"shadow_scale", levers.shadowScale},
+                    {"frame_ms", f.ms},
+                    {"target_ms", f.targetMs}};
+        for (const budget::PassCost& pass : run.costs[i].passes)
+            row[pass.name + "_ms"] = row.value(pass.name + "_ms", 0.0) + pass.ms;
+        rows.push_back(row);
+    }
+    return rows;
+}
+
 Run renderRun(const Session& session, frame::Frame& frame, const scene::Camera& start,
               const RunOptions& options, const std::function<Result<void>(std::size_t)>& afterFrame,
               Result<void>& outcome) {
     Run run;
     budget::Levers levers = options.levers;
-    // Each axis gets the controller's S, but no more than targets were made for.
-    const budget::AxisScale most = levers.renderScale.atLeast(1);
-    const auto both = [&](double s) {
-        return budget::AxisScale(static_cast<float>(s)).atMost(most);
-    };
     std::optional<budget::YangController> controller;
     std::optional<budget::ProportionalController> scaling;
     if (options.targetMs && options.proportional) {
         budget::ProportionalSettings settings = *options.proportional;
         settings.targetMs = *options.targetMs;
         scaling.emplace(settings, std::clamp(1.0, settings.least, settings.most));
-        levers.renderScale = both(scaling->scale());
+        levers = scaling->drive(options.levers);
     } else if (options.targetMs) {
         budget::YangSettings settings{.targetMs = *options.targetMs,
                                       .k = options.calibration.model.k};
@@ -70,17 +86,16 @@ Run renderRun(const Session& session, frame::Frame& frame, const scene::Camera& 
         run.costs.push_back(costs);
         run.lastRate = levers.shadingRate;
         run.lastCamera = camera;
-        run.scales.push_back(levers.renderScale.mean());
+        run.levers.push_back(levers);
         if (controller) {
             run.trace.add({levers.shadingRate, costs.gpuMs, *options.targetMs});
             levers.shadingRate = controller->next(costs).shadingRate;
             run.saturated = controller->saturated();
         }
         if (scaling) {
-            run.trace.add(
-                {std::max(1.0f, 1 / levers.renderScale.mean()), costs.gpuMs, *options.targetMs});
-            scaling->next(costs);
-            levers.renderScale = both(scaling->scale());
+            run.trace.add({std::max(1.0, 1 / scaling->scale()), costs.gpuMs, *options.targetMs});
+            scaling->update(costs);
+            levers = scaling->drive(options.levers);
             run.saturated = scaling->saturated();
         }
         // Samples: the last frame of each of `samples` equal parts of the run.
