@@ -17,6 +17,7 @@
 #include "lodestar/scale/temporal_params.h"
 #include "lodestar/scene/deform_params.h"
 #include "lodestar/scene/gpu_types.h"
+#include "lodestar/shading/background_params.h"
 #include "lodestar/shading/coarse_params.h"
 #include "lodestar/shading/combine_params.h"
 #include "lodestar/shading/layer_params.h"
@@ -29,6 +30,7 @@
 #include "lodestar/visibility/compact_params.h"
 #include "lodestar/visibility/expand_params.h"
 #include "lodestar/visibility/fragments_params.h"
+#include "lodestar/visibility/list_tiles_params.h"
 #include "lodestar/visibility/motion_params.h"
 #include "lodestar/visibility/peel_params.h"
 #include "lodestar/visibility/rebuild_params.h"
@@ -87,6 +89,8 @@ struct AllParams {
     FurtherPixel furtherPixel;
     RebuildParams rebuild;
     SampleGridParams sampleGrid;
+    ListTilesParams listTiles;
+    BackgroundParams background;
     SpatialParams spatial;
     CombineParams combine;
     MotionParams motion;
@@ -251,7 +255,7 @@ LS_NAMESPACE_END
     VISIT(p.sampleGrid.size) VISIT(p.sampleGrid.fullSize) VISIT(p.sampleGrid.rate) \
     VISIT(p.spatial.step) VISIT(p.spatial.texelSize) VISIT(p.spatial.last) \
     VISIT(p.spatial.live) VISIT(p.spatial.size) VISIT(p.spatial.amount) VISIT(p.spatial.seed) \
-    VISIT(p.combine.size) \
+    VISIT(p.combine.size) VISIT(p.listTiles.size) VISIT(p.background.size) \
     VISIT(p.motion.previousClipFromWorld) VISIT(p.motion.size) \
     VISIT(p.motion.firstDeformed) \
     VISIT(p.deform.firstVertex) VISIT(p.deform.vertexCount) VISIT(p.deform.firstRest) \

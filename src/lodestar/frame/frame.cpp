@@ -150,15 +150,30 @@ void Frame::shade(const budget::Levers& levers, const visibility::CompactRecord*
         show();
         return;
     }
+    shadeBackground();
     // What is exact on grid O, and the expensive terms on grids S.
-    rebuildPass.record(rec, *scene, {ids(), viewBuffer, {}, live, textureScale}, surfaces);
+    rebuildPass.record(rec, *scene,
+                       {.ids = ids(),
+                        .view = viewBuffer,
+                        .grid = live,
+                        .textureScale = textureScale,
+                        .tiles = &coveredTiles},
+                       surfaces);
     evaluateTerms(levers);
     if (post) post->recordOcclusion(rec, picture(from), levers, terms());
     rec.barrier(Stage::compute, Stage::compute);
 
     combine.record(rec,
-                   {viewBuffer, lightBuffer, surfaces.depth, surfaces.material, surfaces.emissive,
-                    termImage, skyImage, scene->lights},
+                   {viewBuffer,
+                    lightBuffer,
+                    surfaces.depth,
+                    surfaces.material,
+                    surfaces.emissive,
+                    termImage,
+                    skyImage,
+                    scene->lights,
+                    {},
+                    &coveredTiles},
                    radiance());
     blendLayer(levers.layerScale);
     if (post) post->recordLens(rec, picture(from), levers, radiance());
@@ -248,12 +263,26 @@ void Frame::shadeOnGridS(float rate) {
                    onS(whole->radiance));
     // Conventional resizing has no guides and needs no depth and normal of O.
     const bool guided = upsample.guided();
-    if (guided || layer) whole->guides.record(rec, *scene, {this->ids(), viewBuffer}, surfaces);
+    if (guided) shadeBackground();
+    if (guided || layer)
+        whole->guides.record(
+            rec, *scene,
+            {.ids = this->ids(), .view = viewBuffer, .tiles = guided ? &coveredTiles : nullptr},
+            surfaces);
     rec.barrier(Stage::compute, Stage::compute);
     whole->pack.record(rec, {onS(whole->radiance), surface.depth, surface.normal}, coarseImage);
     rec.barrier(Stage::compute, Stage::compute);
-    upsample.record(rec, {coarseImage, depth(), surfaces.normal, size, rate}, options.sigmas,
-                    radiance());
+    upsample.record(
+        rec, {coarseImage, depth(), surfaces.normal, size, rate, guided ? &coveredTiles : nullptr},
+        options.sigmas, radiance());
+}
+
+/// Finds the tiles of O that show something, and is done with the others.
+void Frame::shadeBackground() {
+    listTiles.record(rec, ids(), coveredTiles, emptyTiles);
+    background.record(rec, {viewBuffer, lightBuffer, skyImage, emptyTiles},
+                      {depth(), terms(), radiance()});
+    rec.barrier(Stage::compute, Stage::compute);
 }
 
 void Frame::reset() {
@@ -304,7 +333,8 @@ void Frame::evaluateTerms(const budget::Levers& levers) {
                                          .skyMaps = lightMaps.skyMaps(),
                                          .view = viewBuffer,
                                          .light = lightBuffer,
-                                         .packing = options.packing};
+                                         .packing = options.packing,
+                                         .tiles = &coveredTiles};
     const bool repairing = levers.repair > 0;
     refines = false;
     if (repairing) upsample::RepairSelect::clear(rec, repairList);
@@ -325,7 +355,7 @@ void Frame::evaluateTerms(const budget::Levers& levers) {
         rec.barrier(Stage::compute, Stage::compute);
         upsample.record(rec,
                         {coarseImage, depth(), surfaces.normal,
-                         shading::coarseExtent(live, group.rate), group.rate},
+                         shading::coarseExtent(live, group.rate), group.rate, &coveredTiles},
                         options.sigmas, termImage,
                         {.channels = mask,
                          .repair = lists ? &repairList : nullptr,

@@ -20,6 +20,7 @@
 #include <lodestar/scale/spatial.hpp>
 #include <lodestar/scale/temporal.hpp>
 #include <lodestar/scene/camera.hpp>
+#include <lodestar/shading/background.hpp>
 #include <lodestar/shading/coarse.hpp>
 #include <lodestar/shading/combine.hpp>
 #include <lodestar/shading/sky.hpp>
@@ -27,6 +28,7 @@
 #include <lodestar/upsample/upsample.hpp>
 #include <lodestar/visibility/expand.hpp>
 #include <lodestar/visibility/fragments.hpp>
+#include <lodestar/visibility/list_tiles.hpp>
 #include <lodestar/visibility/rebuild.hpp>
 #include <lodestar/visibility/sample_grid.hpp>
 
@@ -158,6 +160,7 @@ private:
     void evaluateOnGridS(const shading::Coarse::Inputs&, shading::Coarse::Mask, float rate,
                          float localRate);
     void shadeOnGridS(float rate);
+    void shadeBackground();
     /// Sets the exposure by the last frame's radiance.
     void meter();
     glm::mat4 clipFromWorld(const scene::Camera&) const;
@@ -212,7 +215,9 @@ private:
     geometry::Cull cull;
     geometry::ShowLods showLods;
     EyeCapture capture;
+    visibility::ListTiles listTiles;
     visibility::Rebuild rebuildPass;
+    shading::Background background;
     shading::Coarse coarse;
     upsample::Upsample upsample;
     upsample::Refine refine;
@@ -224,6 +229,7 @@ private:
     geometry::DrawList eyeList;
     geometry::HiZ hiz;
     LightMaps lightMaps;
+    gpu::TileList coveredTiles, emptyTiles;  ///< of grid O
     upsample::RepairList repairList;
     upsample::RefineList refineList;
     bool listHolds = false;  ///< whether the last frame filled the list
