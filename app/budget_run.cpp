@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include <lodestar/budget/controllers.hpp>
 
 #include "app/console.hpp"
@@ -50,6 +52,24 @@ Json traceRows(const Run& run) {
         rows.push_back(row);
     }
     return rows;
+}
+
+std::string mediansOf(const Run& run, const budget::ScaleControls& controls, std::size_t settling) {
+    const auto median = [&](const auto& of) {
+        std::vector<double> values;
+        for (std::size_t i = settling; i < run.levers.size(); ++i)
+            values.push_back(of(run.levers[i]));
+        return budget::median(values);
+    };
+    using L = const budget::Levers&;
+    std::string text;
+    const auto add = [&](bool controlled, const char* name, double value) {
+        if (controlled) text += fmt::format("{}{} = {:.2f}", text.empty() ? "" : ", ", name, value);
+    };
+    add(controls.render, "S", median([](L l) { return l.renderScale.mean(); }));
+    add(controls.layer, "layer", median([](L l) { return l.layerScale; }));
+    add(controls.shadow, "shadow", median([](L l) { return l.shadowScale; }));
+    return text;
 }
 
 Run renderRun(const Session& session, frame::Frame& frame, const scene::Camera& start,

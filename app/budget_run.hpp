@@ -62,6 +62,10 @@ struct RunOptions {
 /// Frame by frame: the levers that controllers move, the whole time and that of each pass [ms].
 Json traceRows(const Run&);
 
+/// Of the frames from `settling` on, what is controlled came to in the median: "S = 0.75, layer =
+/// 0.5".
+std::string mediansOf(const Run&, const budget::ScaleControls&, std::size_t settling);
+
 /// Renders the frames; `afterFrame(i)` may read the picture back (its time does not count).
 Run renderRun(const Session&, frame::Frame&, const scene::Camera& start, const RunOptions&,
               const std::function<Result<void>(std::size_t)>& afterFrame, Result<void>& outcome);

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "app/controller_options.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include <fmt/format.h>
@@ -18,6 +19,14 @@ constexpr std::array kControls{Control{"scale", &budget::ScaleControls::render},
                                Control{"shadow", &budget::ScaleControls::shadow}};
 
 }  // namespace
+
+Result<void> checkController(const ControllerOptions& options, bool budget) {
+    if (options.controls && !(budget && options.scales()))
+        return fail("--controls: says what --budget moves with --controller proportional");
+    if (!options.trace.empty() && (!budget || options.kind == "none"))
+        return fail("--trace: of a run that a controller holds to a --budget");
+    return {};
+}
 
 Result<budget::ScaleControls> parseControls(const std::string& text) {
     budget::ScaleControls controls{.render = false};

@@ -29,6 +29,9 @@ struct ControllerOptions {
 /// outlive the parsing.
 void addControllerOptions(CLI::App&, ControllerOptions& options);
 
+/// Refuses what says how a budget is held where there is none, or another controller.
+Result<void> checkController(const ControllerOptions&, bool budget);
+
 /// Reads "scale,layer,shadow" or a part of it.
 Result<budget::ScaleControls> parseControls(const std::string& text);
 /// The names of what is controlled, for --json.

@@ -84,25 +84,6 @@ void printPasses(const std::vector<PassTimes>& passes, double frameMs) {
     fmt::print("{}", table.text());
 }
 
-/// Of the frames from `settling` on, what S and what else is controlled came to.
-std::string mediansOf(const Run& run, const budget::ScaleControls& controls, std::size_t settling) {
-    const auto median = [&](const auto& of) {
-        std::vector<double> values;
-        for (std::size_t i = settling; i < run.levers.size(); ++i)
-            values.push_back(of(run.levers[i]));
-        return budget::median(values);
-    };
-    using L = const budget::Levers&;
-    std::string text;
-    const auto add = [&](bool controlled, const char* name, double value) {
-        if (controlled) text += fmt::format("{}{} = {:.2f}", text.empty() ? "" : ", ", name, value);
-    };
-    add(controls.render, "S", median([](L l) { return l.renderScale.mean(); }));
-    add(controls.layer, "layer", median([](L l) { return l.layerScale; }));
-    add(controls.shadow, "shadow", median([](L l) { return l.shadowScale; }));
-    return text;
-}
-
 struct Outcome {
     Calibration calibration;
     std::optional<double> targetMs;
@@ -252,18 +233,10 @@ Result<void> checkEffects(const Options& options) {
     return {};
 }
 
-/// What says how a budget is held goes with one.
-Result<void> checkController(const Options& options) {
-    if (options.controller.controls && !(options.budget && options.controller.scales()))
-        return fail("--controls: says what --budget moves with --controller proportional");
-    if (!options.controller.trace.empty() && (!options.budget || options.controller.kind == "none"))
-        return fail("--trace: of a run that a controller holds to a --budget");
-    return {};
-}
-
 Result<void> run(Options options) {
     if (auto can = checkCapture(options); !can) return can;
-    if (auto can = checkController(options); !can) return can;
+    if (auto can = checkController(options.controller, options.budget.has_value()); !can)
+        return can;
     if (auto can = checkEffects(options); !can) return can;
     if (!options.settingsFile.empty()) {
         const auto levers = readSettings(options.settingsFile);
