@@ -135,7 +135,7 @@ LS_NAMESPACE_END
 #define LS_VISIT_GRID(VISIT, g) VISIT(g.size) VISIT(g.fullSize) VISIT(g.rate)
 #define LS_VISIT_LENS(VISIT, l) \
     LS_VISIT_GRID(VISIT, l.grid) VISIT(l.focus) VISIT(l.sharp) VISIT(l.slope) \
-    VISIT(l.thesis) VISIT(l.cocFalloff) VISIT(l.steps)
+    VISIT(l.thesis) VISIT(l.cocFalloff) VISIT(l.stepsX) VISIT(l.stepsY)
 #define LS_VISIT_ALL(VISIT, p) \
     VISIT(p.vertex.position) VISIT(p.vertex.normal) \
     VISIT(p.attributes.uv) VISIT(p.attributes.tangent) VISIT(p.attributes.color) \

@@ -61,7 +61,8 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
         meter();
         reset();
     }
-    if ((levers.renderScale != 1 || options.maxScale > 1) && (reduction || levers.localRate > 0))
+    if ((levers.renderScale != 1 || options.maxScale.largest() > 1) &&
+        (reduction || levers.localRate > 0))
         throw std::invalid_argument("Levers::renderScale: not with supersample or a local rate");
     check(levers);
     if (temporal && levers.resizeAll)
@@ -122,8 +123,8 @@ gpu::FrameTimes Frame::rebuild(const visibility::CompactRecord& from, const scen
 
 void Frame::begin(const scene::Camera& camera, const budget::Levers& levers,
                   scale::TemporalMode mode) {
-    const float renderScale = levers.renderScale;
-    if (!(renderScale >= kLeastScale && renderScale <= std::max(options.maxScale, 1.0f)))
+    const budget::AxisScale renderScale = levers.renderScale;
+    if (!isRenderScale(renderScale, options.maxScale.atLeast(1)))
         throw std::invalid_argument("Levers::renderScale must be 0.5 … FrameSettings::maxScale");
     if (!(levers.shadowScale >= 0.25f && levers.shadowScale <= 1))
         throw std::invalid_argument("Levers::shadowScale must be 0.25 … 1");
@@ -196,14 +197,16 @@ gpu::FrameTimes Frame::finish() {
 }
 
 PostPicture Frame::picture(const visibility::CompactRecord* from) const {
-    return {.scene = *scene,
-            .view = viewBuffer,
-            .ids = ids(),
-            .surfaces = surfaces,
-            .record = from,
-            .expand = rebuilding ? &rebuilding->expand : nullptr,
-            .focus = focus,
-            .supersample = static_cast<float>(options.supersample)};
+    return {
+        .scene = *scene,
+        .view = viewBuffer,
+        .ids = ids(),
+        .surfaces = surfaces,
+        .record = from,
+        .expand = rebuilding ? &rebuilding->expand : nullptr,
+        .focus = focus,
+        .pixelAspect = aspect * static_cast<float>(live.height) / static_cast<float>(live.width),
+        .supersample = static_cast<float>(options.supersample)};
 }
 
 /// From the radiance on grid O to the picture.

@@ -40,9 +40,9 @@ struct PostPicture;
 /// What stays the same from frame to frame. What a budget may change is in budget::Levers.
 struct FrameSettings {
     vk::Extent2D size{1280, 720};
-    /// Largest Levers::renderScale: targets are made for it (or for 1) once, and smaller scales use
-    /// a part of them. At most 2.
-    float maxScale = 1;
+    /// Largest Levers::renderScale of each axis: targets are made for it (or for 1) once, and
+    /// smaller scales use a part of them. At most 2.
+    budget::AxisScale maxScale = 1;
     scale::SpatialOptions scaling;  ///< how a frame of another scale becomes one of `size`
     glm::vec3 toSun{0.5f, 0.8f, 0.35f};
     std::uint32_t shadowTaps = 9;        ///< N of the N×N PCF; 0 = no shadow
@@ -203,7 +203,7 @@ private:
     vk::Extent2D room;    ///< of the targets
     vk::Extent2D live;    ///< the part of them that is grid O of this frame
     glm::vec2 jitter{0};  ///< of this frame [NDC]
-    float textureScale = 1;
+    glm::vec2 textureScale{1};
     float focus = 1;  ///< distance of what the camera looks at
     shading::Sky sky;
     std::array<glm::vec3, 9> irradiance;  ///< of the sky

@@ -63,7 +63,7 @@ geometry::LodChoice lightLods(const geometry::LodChoice& eye) {
 const FrameSettings& checked(const FrameSettings& s) {
     if (s.size.width < 1 || s.size.height < 1 || s.size.width > 16384 || s.size.height > 16384)
         throw std::invalid_argument("FrameSettings::size must be 1 … 16384 pixels a side");
-    if (!(s.maxScale >= kLeastScale && s.maxScale <= kMostScale))
+    if (!isRenderScale(s.maxScale, kMostScale))
         throw std::invalid_argument("FrameSettings::maxScale must be 0.5 … 2");
     if (s.shadowTaps > shared::LS_MAX_SHADOW_TAPS)
         throw std::invalid_argument("FrameSettings::shadowTaps must be ≤ 128");
@@ -93,7 +93,7 @@ const FrameSettings& checked(const FrameSettings& s) {
             "FrameSettings::supersample must be 1 … 4, and O ≤ 16384 a side");
     if (s.supersample > 1 && s.showLods)
         throw std::invalid_argument("FrameSettings::showLods: not with supersample");
-    if (s.captureSide > 1 && (s.supersample > 1 || s.maxScale > 1 || s.motion ||
+    if (s.captureSide > 1 && (s.supersample > 1 || s.maxScale.largest() > 1 || s.motion ||
                               s.temporal.mode != scale::TemporalMode::off))
         throw std::invalid_argument(
             "FrameSettings::captureSide: not with supersample, maxScale, motion or temporal");
@@ -129,7 +129,7 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
     : device(&owner),
       scene(&gpuScene),
       options(s),
-      room(scaled(s.size, std::max(s.maxScale, 1.0f))),
+      room(scaled(s.size, s.maxScale.atLeast(1))),
       live(s.size),
       sky(sunDirection(gpuScene, s)),
       irradiance(sky.irradiance()),

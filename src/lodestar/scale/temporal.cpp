@@ -92,19 +92,23 @@ glm::vec2 vec(vk::Extent2D extent) {
 
 }  // namespace
 
-glm::vec2 jitterOf(TemporalMode mode, std::uint32_t index, float scale) {
+glm::vec2 jitterOf(TemporalMode mode, std::uint32_t index, budget::AxisScale scale) {
     if (mode == TemporalMode::off) return glm::vec2(0);
     if (mode == TemporalMode::source) return glm::vec2(index % 2 == 0 ? 0.25f : -0.25f);
     // Eight samples for every pixel of the output, as a texel covers 1/S² of them.
-    const float texel = 1 / (scale * scale);
+    const float texel = 1 / (scale.x * scale.y);
     const auto length = static_cast<std::uint32_t>(std::clamp(8 * texel, 8.0f, 64.0f));
     const std::uint32_t i = index % length + 1;
-    return glm::vec2(radicalInverse(i, 2), radicalInverse(i, 3)) - 0.5f;
+    // The axis of fewer texels has more places to fill: it gets the base that divides the length.
+    const glm::vec2 place = glm::vec2(radicalInverse(i, 2), radicalInverse(i, 3)) - 0.5f;
+    return scale.y < scale.x ? glm::vec2(place.y, place.x) : place;
 }
 
-float textureScaleOf(TemporalMode mode, float scale) {
-    if (mode == TemporalMode::off) return 1;
-    return mode == TemporalMode::source ? std::exp2(-0.5f) : std::min(scale, 1.0f);
+glm::vec2 textureScaleOf(TemporalMode mode, budget::AxisScale scale) {
+    if (mode == TemporalMode::off) return glm::vec2(1);
+    if (mode == TemporalMode::source) return glm::vec2(std::exp2(-0.5f));
+    const budget::AxisScale bias = scale.atMost(1);
+    return {bias.x, bias.y};
 }
 
 Temporal::Temporal(const gpu::Device& device, vk::Extent2D room, vk::Extent2D outSize,

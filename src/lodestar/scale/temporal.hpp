@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include <lodestar/budget/levers.hpp>
 #include <lodestar/gpu/recorder.hpp>
 
 namespace lodestar::scale {
@@ -33,10 +34,11 @@ struct TemporalOptions {
 
 /// Where frame `index` has its samples, relative to the centres of texels [texels]: to be added to
 /// the projection. `scale` is the render scale: the smaller it is, the longer the sequence.
-glm::vec2 jitterOf(TemporalMode, std::uint32_t index, float scale);
-/// What texture gradients are multiplied by, so that detail is there for the frames to gather: a
-/// LOD bias of −0.5 (source), or of log2 of the render scale, as of a picture of the output's size.
-float textureScaleOf(TemporalMode, float scale);
+glm::vec2 jitterOf(TemporalMode, std::uint32_t index, budget::AxisScale scale);
+/// What texture gradients along x and y are multiplied by, so that detail is there for the frames
+/// to gather: a LOD bias of −0.5 (source), or of log2 of the render scale, as of a picture of the
+/// output's size.
+glm::vec2 textureScaleOf(TemporalMode, budget::AxisScale scale);
 
 /// Joins the pictures of a sequence, each of any scale, to pictures of one size. Owns the history,
 /// which has the output's size, so it is kept when the scale changes.
