@@ -321,7 +321,7 @@ void addFrameOptions(CLI::App& app, frame::FrameSettings& settings) {
         ->group(kGroup);
     app.add_option("--shadow-taps", settings.shadowTaps, "N of the N×N shadow filter; 0: no shadow")
         ->type_name("N")
-        ->check(CLI::Range(0, 64))
+        ->check(CLI::Range(0, 128))
         ->capture_default_str()
         ->group(kGroup);
     app.add_option("--shadow-map", settings.shadowMapSize, "shadow map texels a side")

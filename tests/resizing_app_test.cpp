@@ -238,7 +238,7 @@ TEST(PaperScenes, loadGivesTheShareThatWasAskedFor) {
     const auto tapShare = [&](Load load) { return taps(load) / (300 + taps(load)); };
     const Load nine = paperLoad(budget::Term::shadow);
     EXPECT_NEAR(tapShare(loadFor(budget::Term::shadow, 0.93, nine, tapShare(nine))), 0.93, 0.01);
-    EXPECT_EQ(loadFor(budget::Term::shadow, 0.9999, nine, tapShare(nine)).amount, 64u);
+    EXPECT_EQ(loadFor(budget::Term::shadow, 0.9999, nine, tapShare(nine)).amount, 128u);
 }
 
 TEST(Motion, ofAPlaneFollowsTheCameraAndHiddenPixelsHaveNone) {

@@ -8,6 +8,7 @@
 #include <glm/gtc/packing.hpp>
 
 #include <lodestar/shading/coarse_params.h>
+#include <lodestar/shading/light_params.h>
 #include <lodestar/upsample/refine_params.h>
 #include <lodestar/upsample/upsample_params.h>
 #include <lodestar/frame/post_chain.hpp>
@@ -381,7 +382,8 @@ void Frame::evaluateOnGridS(const shading::Coarse::Inputs& inputs, shading::Coar
 }
 
 void Frame::setShadowTaps(std::uint32_t taps) {
-    if (taps < 1 || taps > 64) throw std::invalid_argument("Frame::setShadowTaps: 1 … 64");
+    if (taps < 1 || taps > shared::LS_MAX_SHADOW_TAPS)
+        throw std::invalid_argument("Frame::setShadowTaps: 1 … 128");
     if (options.shadowTaps > 0) options.shadowTaps = taps;
 }
 

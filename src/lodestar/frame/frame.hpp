@@ -133,7 +133,7 @@ public:
     /// Blended surfaces of the last frame, one behind the other, that were shaded.
     std::uint32_t blendedFragments() const { return layer ? layer->fragmentCount() : 0; }
     /// N of the sun's filter from the next frame on, where there is a shadow: a change of load.
-    /// Throws std::invalid_argument outside 1 … 64.
+    /// Throws std::invalid_argument outside 1 … 128.
     void setShadowTaps(std::uint32_t taps);
     const geometry::DrawList& drawList() const { return samples ? samples->drawList() : eyeList; }
     /// Forgets the last picture, which is otherwise used to guess what hides what.

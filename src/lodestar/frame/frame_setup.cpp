@@ -65,7 +65,8 @@ const FrameSettings& checked(const FrameSettings& s) {
         throw std::invalid_argument("FrameSettings::size must be 1 … 16384 pixels a side");
     if (!isRenderScale(s.maxScale, kMostScale))
         throw std::invalid_argument("FrameSettings::maxScale must be 0.5 … 2");
-    if (s.shadowTaps > 64) throw std::invalid_argument("FrameSettings::shadowTaps must be ≤ 64");
+    if (s.shadowTaps > shared::LS_MAX_SHADOW_TAPS)
+        throw std::invalid_argument("FrameSettings::shadowTaps must be ≤ 128");
     if (s.shadowMapSize < 16 || s.shadowMapSize > 16384)
         throw std::invalid_argument("FrameSettings::shadowMapSize must be 16 … 16384");
     if (s.noiseOctaves > 12)
