@@ -134,6 +134,41 @@ TEST_F(TemporalTest, aPanningViewGainsFromItsHistory) {
     }
 }
 
+/// A wall cut out of stripes finer than the texels of a smaller picture.
+scene::Scene railing(scene::AlphaMode mode) {
+    scene::Material cut = scene::procedural::plain("cut", {0.8f, 0.8f, 0.8f}, 0, 0.8f);
+    cut.alphaMode = mode;
+    cut.alphaCutoff = 0.6f;
+    cut.baseColorTexture.texture = 0;
+    constexpr float kRepeats = 16;  // a pixel a texel where quad() fills the picture
+    scene::Scene scene = small_scenes::single(small_scenes::quad({kRepeats, kRepeats}), cut);
+    scene::Image stripes{.name = "stripes", .width = 4, .height = 4, .rgba = {}};
+    for (int i = 0; i < 16; ++i)
+        for (const int code : {255, 255, 255, i % 2 == 0 ? 255 : 0})
+            stripes.rgba.push_back(std::uint8_t(code));
+    scene.images.push_back(stripes);
+    scene.textures.push_back({.image = 0});
+    return scene;
+}
+
+TEST_F(TemporalTest, whatAlphaCutsOutIsAsFineAsTheOutput) {
+    const auto shown = [&](const scene::GpuScene& scene, CaptureBackend capture, float scale) {
+        FrameSettings s = settings(TemporalMode::lodestar);
+        s.capture = capture;
+        s.exposure = 1;
+        Frame frame(device(), scene, s);
+        for (int i = 0; i < 40; ++i) frame.render(small_scenes::facing(), {.renderScale = scale});
+        return pictureOf(device(), frame);
+    };
+    for (const auto mode : {scene::AlphaMode::mask, scene::AlphaMode::blend}) {
+        const scene::Scene source = railing(mode);
+        const scene::GpuScene scene(device(), source);
+        for (const auto capture : {CaptureBackend::supersample, CaptureBackend::automatic})
+            EXPECT_GE(quality::psnr(shown(scene, capture, 1), shown(scene, capture, 0.5f)), 30)
+                << int(mode) << int(capture);
+    }
+}
+
 /// A bright quad that moves over a patterned wall.
 scene::Scene passingQuad() {
     scene::procedural::SceneBuilder builder("passing");

@@ -90,7 +90,7 @@ gpu::FrameTimes Frame::renderOutside(const scene::Camera& outside) {
     if (samples) throw std::logic_error("Frame::renderOutside needs captureSide 1");
     begin(outside, {}, scale::TemporalMode::off);
     capture.record(rec, *scene, eyeList, clipFromWorld(outside), ids(), "capture",
-                   geometry::DrawPhase::both);
+                   geometry::DrawPhase::both, textureScale);
     reset();  // the targets show another view now
     shade({});
     if (options.showLods) {
@@ -279,7 +279,8 @@ void Frame::findVisible(const geometry::CullView& view) {
     using Phase = geometry::DrawPhase;
     const auto draw = [&](const char* name, Phase phase) {
         const bool complete = phase == Phase::second || view.cull != geometry::CullMode::hiz;
-        capture.record(rec, *scene, eyeList, view.clipFromWorld, ids(), name, phase, complete);
+        capture.record(rec, *scene, eyeList, view.clipFromWorld, ids(), name, phase, textureScale,
+                       complete);
     };
     tessellate.record(rec, *scene, view);
     if (view.cull != geometry::CullMode::hiz) {
