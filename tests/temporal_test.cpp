@@ -316,7 +316,7 @@ TEST_F(TemporalTest, neverReadsOutsideTheLivePart) {
                          .terms = terms,
                          .material = material,
                          .live = live,
-                         .jitter = scale::jitterOf(mode, i, 0.6f)},
+                         .jitter = scale::jitterOf(mode, i)},
                         out);
             rec.submit();
             for (const glm::u8vec4 texel : gpu::as<glm::u8vec4>(gpu::readImage(device(), out)))
@@ -325,23 +325,28 @@ TEST_F(TemporalTest, neverReadsOutsideTheLivePart) {
     }
 }
 
-TEST(Jitter, coversTheTexelEvenlyAndIsCentred) {
-    for (const float scale : {0.5f, 0.71f, 1.0f}) {
+TEST(Jitter, coversTheTexelEvenlyAndIsCentredOverAnyRun) {
+    constexpr int kRun = 32;  // about as many frames as a pixel remembers at S = 0.71
+    for (int first = 0; first < 200; ++first) {
         glm::dvec2 mean(0);
         int quadrants[4] = {};
-        const int count = int(8 / (scale * scale));
-        for (int i = 0; i < count; ++i) {
-            const glm::vec2 j = scale::jitterOf(TemporalMode::lodestar, std::uint32_t(i), scale);
+        for (int i = first; i < first + kRun; ++i) {
+            const glm::vec2 j = scale::jitterOf(TemporalMode::lodestar, std::uint32_t(i));
             ASSERT_LE(std::max(std::abs(j.x), std::abs(j.y)), 0.5f);
-            mean += glm::dvec2(j) / double(count);
+            mean += glm::dvec2(j) / double(kRun);
             ++quadrants[(j.x > 0) + 2 * (j.y > 0)];
         }
-        EXPECT_LT(glm::length(mean), 0.12);
-        for (const int n : quadrants) EXPECT_GE(n, count / 8);
+        EXPECT_LT(glm::length(mean), 0.08) << first;
+        for (const int n : quadrants) EXPECT_GE(n, kRun / 4 - 3) << first;
     }
-    EXPECT_EQ(scale::jitterOf(TemporalMode::off, 3, 1), glm::vec2(0));
-    const glm::vec2 even = scale::jitterOf(TemporalMode::source, 4, 1),
-                    odd = scale::jitterOf(TemporalMode::source, 5, 1);
+    // No place comes twice within a hundred frames.
+    for (std::uint32_t i = 0; i < 100; ++i)
+        for (std::uint32_t k = i + 1; k < 100; ++k)
+            ASSERT_NE(scale::jitterOf(TemporalMode::lodestar, i),
+                      scale::jitterOf(TemporalMode::lodestar, k));
+    EXPECT_EQ(scale::jitterOf(TemporalMode::off, 3), glm::vec2(0));
+    const glm::vec2 even = scale::jitterOf(TemporalMode::source, 4),
+                    odd = scale::jitterOf(TemporalMode::source, 5);
     EXPECT_EQ(even - odd, glm::vec2(0.5f));
 }
 

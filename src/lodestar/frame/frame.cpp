@@ -130,7 +130,7 @@ void Frame::begin(const scene::Camera& camera, const budget::Levers& levers,
     repairList.size = live;
     joining = mode;
     const glm::vec2 grid(live.width, live.height);
-    jitter = 2.0f * scale::jitterOf(mode, pictures++, renderScale) / grid;
+    jitter = 2.0f * scale::jitterOf(mode, pictures++) / grid;
     textureScale = scale::textureScaleOf(mode, renderScale);
     submitted = {};
     focus = std::max(glm::distance(camera.eye, camera.at), 1e-6f);
