@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include <fmt/format.h>
+
 #include <lodestar/budget/controllers.hpp>
 
 #include "app/console.hpp"
@@ -31,6 +33,45 @@ Calibration calibrate(frame::Frame& frame, const scene::Camera& camera,
             budget::fitCostModel(2, budget::median(times[1]), 4, budget::median(times[2]))};
 }
 
+Json traceRows(const Run& run) {
+    Json rows = Json::array();
+    for (const budget::TraceFrame& f : run.trace.frames()) {
+        const std::size_t i = rows.size();
+        const budget::Levers& levers = run.levers[i];
+        Json row = {{"frame", i},
+                    {"r", levers.shadingRate},
+                    {"s", levers.renderScale.mean()},
+                    {"s_x", levers.renderScale.x},
+                    {"s_y", levers.renderScale.y},
+                    {"layer_scale", levers.layerScale},
+                    {"shadow_scale", levers.shadowScale},
+                    {"frame_ms", f.ms},
+                    {"target_ms", f.targetMs}};
+        for (const budget::PassCost& pass : run.costs[i].passes)
+            row[pass.name + "_ms"] = row.value(pass.name + "_ms", 0.0) + pass.ms;
+        rows.push_back(row);
+    }
+    return rows;
+}
+
+std::string mediansOf(const Run& run, const budget::ScaleControls& controls, std::size_t settling) {
+    const auto median = [&](const auto& of) {
+        std::vector<double> values;
+        for (std::size_t i = settling; i < run.levers.size(); ++i)
+            values.push_back(of(run.levers[i]));
+        return budget::median(values);
+    };
+    using L = const budget::Levers&;
+    std::string text;
+    const auto add = [&](bool controlled, const char* name, double value) {
+        if (controlled) text += fmt::format("{}{} = {:.2f}", text.empty() ? "" : ", ", name, value);
+    };
+    add(controls.render, "S", median([](L l) { return l.renderScale.mean(); }));
+    add(controls.layer, "layer", median([](L l) { return l.layerScale; }));
+    add(controls.shadow, "shadow", median([](L l) { return l.shadowScale; }));
+    return text;
+}
+
 Run renderRun(const Session& session, frame::Frame& frame, const scene::Camera& start,
               const RunOptions& options, const std::function<Result<void>(std::size_t)>& afterFrame,
               Result<void>& outcome) {
@@ -42,7 +83,7 @@ Run renderRun(const Session& session, frame::Frame& frame, const scene::Camera& 
         budget::ProportionalSettings settings = *options.proportional;
         settings.targetMs = *options.targetMs;
         scaling.emplace(settings, std::clamp(1.0, settings.least, settings.most));
-        levers.renderScale = static_cast<float>(scaling->scale());
+        levers = scaling->drive(options.levers);
     } else if (options.targetMs) {
         budget::YangSettings settings{.targetMs = *options.targetMs,
                                       .k = options.calibration.model.k};
@@ -65,15 +106,16 @@ Run renderRun(const Session& session, frame::Frame& frame, const scene::Camera& 
         run.costs.push_back(costs);
         run.lastRate = levers.shadingRate;
         run.lastCamera = camera;
-        run.scales.push_back(levers.renderScale);
+        run.levers.push_back(levers);
         if (controller) {
             run.trace.add({levers.shadingRate, costs.gpuMs, *options.targetMs});
             levers.shadingRate = controller->next(costs).shadingRate;
             run.saturated = controller->saturated();
         }
         if (scaling) {
-            run.trace.add({std::max(1.0f, 1 / levers.renderScale), costs.gpuMs, *options.targetMs});
-            levers.renderScale = scaling->next(costs).renderScale;
+            run.trace.add({std::max(1.0, 1 / scaling->scale()), costs.gpuMs, *options.targetMs});
+            scaling->update(costs);
+            levers = scaling->drive(options.levers);
             run.saturated = scaling->saturated();
         }
         // Samples: the last frame of each of `samples` equal parts of the run.

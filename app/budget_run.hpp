@@ -35,7 +35,7 @@ struct Run {
     std::vector<budget::FrameCosts> costs;
     budget::Trace trace;  ///< filled when there is a budget
     std::vector<Sample> samples;
-    std::vector<float> scales;  ///< S of every frame
+    std::vector<budget::Levers> levers;  ///< of every frame
     float lastRate = 1;
     scene::Camera lastCamera;
     bool saturated = false;  ///< the last frames missed the budget with r (or S) at its limit
@@ -49,7 +49,8 @@ struct RunOptions {
     budget::Levers levers;           ///< under a budget only their proportions count
     std::optional<double> targetMs;  ///< hold this frame time
     Calibration calibration;         ///< used with a target
-    /// S holds the target, as the proportional controller says; r stays. Its target is targetMs.
+    /// S holds the target, as the proportional controller says; r stays. Its target is targetMs;
+    /// `levers` are the most of what it controls.
     std::optional<budget::ProportionalSettings> proportional;
     std::size_t samples = 0;  ///< pictures to keep, evenly over the run
 
@@ -57,6 +58,13 @@ struct RunOptions {
         return static_cast<float>(startSeconds + static_cast<double>(frame) / fps);
     }
 };
+
+/// Frame by frame: the levers that controllers move, the whole time and that of each pass [ms].
+Json traceRows(const Run&);
+
+/// Of the frames from `settling` on, what is controlled came to in the median: "S = 0.75, layer =
+/// 0.5".
+std::string mediansOf(const Run&, const budget::ScaleControls&, std::size_t settling);
 
 /// Renders the frames; `afterFrame(i)` may read the picture back (its time does not count).
 Run renderRun(const Session&, frame::Frame&, const scene::Camera& start, const RunOptions&,

@@ -13,6 +13,7 @@
 #include "app/cli.hpp"
 #include "app/geometry_options.hpp"
 #include "app/post_options.hpp"
+#include "app/scale_options.hpp"
 
 namespace lodestar::app {
 namespace {
@@ -202,25 +203,7 @@ void addLeverOptions(CLI::App& app, budget::Levers& levers) {
     app.add_flag("--full-resize,!--fine-grained", levers.resizeAll,
                  "shade as a whole on the coarse grid, not the expensive terms alone")
         ->group(kGroup);
-    app.add_option("--shadow-scale", levers.shadowScale,
-                   "draw the depth maps of sun and sky at this share of their texels a side")
-        ->type_name("S")
-        ->check(CLI::Range(0.25, 1.0))
-        ->capture_default_str()
-        ->group(kGroup);
-    app.add_option("--layer-scale", levers.layerScale,
-                   "render alpha-blended surfaces at this share of the size along each axis")
-        ->type_name("S")
-        ->check(CLI::Range(0.25, 1.0))
-        ->capture_default_str()
-        ->group(kGroup);
-    app.add_option("--scale,--render-scale", levers.renderScale,
-                   "render at this share of the size along each axis and scale the picture; above "
-                   "1: supersampled")
-        ->type_name("S")
-        ->check(CLI::Range(0.5, 2.0))
-        ->capture_default_str()
-        ->group(kGroup);
+    addScaleOptions(app, levers);
     addPostRateOption(app, levers);
 }
 
@@ -228,11 +211,14 @@ Json leversJson(const budget::Levers& levers) {
     Json rates;
     for (std::size_t i = 0; i < budget::kTerms; ++i)
         rates[std::string(budget::kTermNames[i])] = levers.rate(budget::Term(i));
-    return {{"shading_rate", levers.shadingRate}, {"rates", rates},
-            {"render_scale", levers.renderScale}, {"repair", levers.repair},
-            {"local_rate", levers.localRate},     {"full_resize", levers.resizeAll},
-            {"layer_scale", levers.layerScale},   {"shadow_scale", levers.shadowScale},
-            {"post_rates", postRatesJson(levers)}};
+    Json json{{"shading_rate", levers.shadingRate},
+              {"rates", rates},
+              {"repair", levers.repair},
+              {"local_rate", levers.localRate},
+              {"full_resize", levers.resizeAll},
+              {"post_rates", postRatesJson(levers)}};
+    json.update(scalesJson(levers));
+    return json;
 }
 
 void addFrameOptions(CLI::App& app, frame::FrameSettings& settings) {
@@ -335,7 +321,7 @@ void addFrameOptions(CLI::App& app, frame::FrameSettings& settings) {
         ->group(kGroup);
     app.add_option("--shadow-taps", settings.shadowTaps, "N of the N×N shadow filter; 0: no shadow")
         ->type_name("N")
-        ->check(CLI::Range(0, 64))
+        ->check(CLI::Range(0, 128))
         ->capture_default_str()
         ->group(kGroup);
     app.add_option("--shadow-map", settings.shadowMapSize, "shadow map texels a side")
@@ -390,7 +376,7 @@ Json settingsJson(const frame::FrameSettings& s) {
             {"capture", nameOf(s.capture)},
             {"reconstruct", nameOf(s.reconstruct)},
             {"packing", s.packing == upsample::Packing::full ? "full" : "yang"},
-            {"max_scale", s.maxScale},
+            {"max_scale", s.maxScale.largest()},
             {"scale_filter", std::string(scale::kFilterNames[std::size_t(s.scaling.filter)])},
             {"temporal", std::string(scale::kTemporalNames[std::size_t(s.temporal.mode)])},
             {"temporal_k", s.temporal.k},

@@ -23,8 +23,8 @@ inline constexpr float kLocalRate = 0.03f;
 void addRepairOption(CLI::App&, float& share);
 /// Adds --local-rate.
 void addLocalRateOption(CLI::App&, float& spread);
-/// Adds --shading-rate, --repair, --local-rate and --full-resize. `levers` must outlive the
-/// parsing.
+/// Adds --shading-rate, --repair, --local-rate, --full-resize, the scales and --post-rate. `levers`
+/// must outlive the parsing.
 void addLeverOptions(CLI::App&, budget::Levers& levers);
 Json leversJson(const budget::Levers&);
 

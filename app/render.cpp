@@ -13,11 +13,13 @@
 #include "app/budget_run.hpp"
 #include "app/capture.hpp"
 #include "app/console.hpp"
+#include "app/controller_options.hpp"
 #include "app/frame_options.hpp"
 #include "app/geometry_options.hpp"
 #include "app/image_io.hpp"
 #include "app/judge.hpp"
 #include "app/tune.hpp"
+#include "app/whole_file.hpp"
 
 namespace lodestar::app {
 namespace {
@@ -36,9 +38,7 @@ struct Options {
     double seconds = 0;
     double fps = 60;
     std::optional<budget::Budget> budget;
-    std::string controller = "yang";
-    double hysteresis = 0.05;
-    int bands = 0;
+    ControllerOptions controller;
     budget::Levers levers;
     std::vector<std::string> aovs;
     fs::path settingsFile;  ///< of calibrate
@@ -84,14 +84,10 @@ void printPasses(const std::vector<PassTimes>& passes, double frameMs) {
     fmt::print("{}", table.text());
 }
 
-double medianScale(const Run& run, std::size_t settling) {
-    return budget::median(
-        {run.scales.begin() + static_cast<std::ptrdiff_t>(settling), run.scales.end()});
-}
-
 struct Outcome {
     Calibration calibration;
     std::optional<double> targetMs;
+    budget::ScaleControls controls;  ///< as used
     Run run;
     double frameMs = 0;
     std::optional<RunQuality> quality;
@@ -108,13 +104,13 @@ void printSummary(const Options& options, const Outcome& outcome) {
                    percent(*outcome.targetMs / outcome.calibration.fullMs) + " of full quality"});
         table.row({"achieved", formatMs(trace.medianMs(settling)),
                    fmt::format("median of {} frames, {}", options.frames,
-                               options.controller == "proportional"
-                                   ? fmt::format("S = {:.2f}", medianScale(outcome.run, settling))
+                               options.controller.scales()
+                                   ? mediansOf(outcome.run, outcome.controls, settling)
                                    : fmt::format("r = {:.2f}", trace.medianRate(settling)))});
         table.row({"within 10 %", percent(trace.shareWithin(0.1, settling)),
                    fmt::format("of the frames after the first {}", settling)});
         table.row({"within 5 %", percent(trace.shareWithin(0.05, settling)), ""});
-        table.row({options.controller == "proportional" ? "S turns around in" : "r turns around in",
+        table.row({options.controller.scales() ? "S turns around in" : "r turns around in",
                    percent(trace.turnShare(settling)), "of the frames"});
     } else {
         table.row(
@@ -138,8 +134,8 @@ void printSummary(const Options& options, const Outcome& outcome) {
         fmt::print(
             "note: {} is at its limit and the budget is still missed: what costs here is not {}; "
             "raise the budget or lower --size\n",
-            options.controller == "proportional" ? "S" : "r",
-            options.controller == "proportional" ? "the pixels" : "the coarse shading");
+            options.controller.scales() ? "S" : "r",
+            options.controller.scales() ? "the pixels" : "the coarse shading");
 }
 
 Result<void> writeReport(const Options& options, const Session& session, const frame::Frame& frame,
@@ -176,12 +172,17 @@ Result<void> writeReport(const Options& options, const Session& session, const f
                                  {"turn_share", trace.turnShare()},
                                  {"k_ms", outcome.calibration.model.k},
                                  {"c_ms", outcome.calibration.model.c}};
+        if (options.controller.scales())
+            report.more["budget"]["controls"] = controlsJson(outcome.controls);
         Json frames = Json::array();
-        const bool byScale = options.controller == "proportional";
-        for (std::size_t i = 0; i < trace.frames().size(); ++i)
-            frames.push_back({{"r", byScale ? 1 : trace.frames()[i].rate},
-                              {"s", outcome.run.scales[i]},
-                              {"ms", trace.frames()[i].ms}});
+        for (const Json& row : traceRows(outcome.run))
+            frames.push_back({{"r", row.at("r")},
+                              {"s", row.at("s")},
+                              {"s_x", row.at("s_x")},
+                              {"s_y", row.at("s_y")},
+                              {"layer_scale", row.at("layer_scale")},
+                              {"shadow_scale", row.at("shadow_scale")},
+                              {"ms", row.at("frame_ms")}});
         report.more["frames"] = frames;
     }
     return writeJson(options.json, toJson(report));
@@ -234,6 +235,8 @@ Result<void> checkEffects(const Options& options) {
 
 Result<void> run(Options options) {
     if (auto can = checkCapture(options); !can) return can;
+    if (auto can = checkController(options.controller, options.budget.has_value()); !can)
+        return can;
     if (auto can = checkEffects(options); !can) return can;
     if (!options.settingsFile.empty()) {
         const auto levers = readSettings(options.settingsFile);
@@ -252,7 +255,7 @@ Result<void> run(Options options) {
         session->gpuScene->animate(static_cast<float>(options.seconds));
     options.settings.size = vk::Extent2D{static_cast<std::uint32_t>(options.view.size.width),
                                          static_cast<std::uint32_t>(options.view.size.height)};
-    options.settings.maxScale = std::max(1.0f, options.levers.renderScale);
+    options.settings.maxScale = options.levers.renderScale.atLeast(1);
     options.settings.motion = std::count(options.aovs.begin(), options.aovs.end(), "motion") > 0;
     frame::Frame frame(*session->device, *session->gpuScene, options.settings);
     fmt::print("{} at {}x{} on {}\n", printable(options.scene), options.view.size.width,
@@ -277,15 +280,18 @@ Result<void> run(Options options) {
         .samples = options.reference ? std::min<std::size_t>(options.frames, 12) : 0};
     Outcome outcome;
     if (options.budget) {
+        if (options.controller.scales()) {
+            const auto settings =
+                proportionalSettings(options.controller, *session, options.settings);
+            if (!settings) return tl::unexpected(settings.error());
+            runOptions.proportional = *settings;
+            outcome.controls = settings->controls;
+        }
         outcome.calibration =
             calibrate(frame, options.path.at(*camera, 0, options.frames), options.levers, 5);
         runOptions.calibration = outcome.calibration;
         outcome.targetMs = options.budget->targetMs(outcome.calibration.fullMs);
-        if (options.controller != "none") runOptions.targetMs = outcome.targetMs;
-        if (options.controller == "proportional")
-            runOptions.proportional = {.most = std::max(1.0f, options.levers.renderScale),
-                                       .hysteresis = options.hysteresis,
-                                       .bands = options.bands};
+        if (options.controller.kind != "none") runOptions.targetMs = outcome.targetMs;
     }
 
     std::vector<fs::path> files;
@@ -350,6 +356,11 @@ Result<void> run(Options options) {
     const auto passes = summarisePasses(outcome.run.costs);
     printPasses(passes, outcome.frameMs);
     printSummary(options, outcome);
+    if (!options.controller.trace.empty()) {
+        files.push_back(options.controller.trace);
+        if (auto done = writeWholeFile(files.back(), csvOf(traceRows(outcome.run))); !done)
+            return done;
+    }
     if (!options.json.empty()) {
         if (auto done = writeReport(options, *session, frame, counts, passes, outcome, tuning);
             !done)
@@ -400,23 +411,7 @@ void addRender(CLI::App& app, int& exitCode) {
             "hold this frame time: milliseconds, or a share of the full-quality frame")
             ->type_name("16.6ms|40%")
             ->group("Run");
-    command
-        ->add_option("--controller", o->controller,
-                     "who holds the budget: yang (r by t = K/r² + C, 2008), proportional (S, 2011; "
-                     "from 0.5 to --scale or 1) or none")
-        ->check(CLI::IsMember({"yang", "proportional", "none"}))
-        ->capture_default_str()
-        ->group("Run");
-    command
-        ->add_option("--hysteresis", o->hysteresis,
-                     "proportional: S rests while the time is within this share of the budget")
-        ->check(CLI::Range(0.0, 1.0))
-        ->capture_default_str()
-        ->group("Run");
-    command->add_option("--bands", o->bands, "proportional: values that S may take; 0: any")
-        ->check(CLI::Range(0, 64))
-        ->capture_default_str()
-        ->group("Run");
+    addControllerOptions(*command, o->controller);
     command
         ->add_flag("--reference", o->reference,
                    "also render at full quality and report PSNR, SSIM and FLIP against it")

@@ -25,7 +25,35 @@ Json qualityJson(const QualityFigures& quality) {
             {"identical", identical}};
 }
 
+std::string csvCell(const Json& value) {
+    if (value.is_null()) return "";
+    if (!value.is_string()) return value.dump();
+    std::string text = value.get<std::string>();
+    if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
+    std::string quoted = "\"";
+    for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
+    return quoted + '"';
+}
+
 }  // namespace
+
+std::string csvOf(const Json& rows) {
+    std::vector<std::string> keys;
+    for (const Json& row : rows)
+        for (const auto& [key, value] : row.items())
+            if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
+    std::string text;
+    for (const std::string& key : keys) text += (text.empty() ? "" : ",") + csvCell(Json(key));
+    text += '\n';
+    for (const Json& row : rows) {
+        for (std::size_t i = 0; i < keys.size(); ++i) {
+            if (i > 0) text += ',';
+            if (const auto found = row.find(keys[i]); found != row.end()) text += csvCell(*found);
+        }
+        text += '\n';
+    }
+    return text;
+}
 
 std::vector<PassTimes> summarisePasses(const std::vector<budget::FrameCosts>& frames) {
     std::vector<std::string> order;

@@ -54,6 +54,8 @@ struct Report {
 };
 
 Json toJson(const Report&);
+/// Flat rows as a table with a heading line; a column for every key, in order of appearance.
+std::string csvOf(const Json& rows);
 
 /// Writes `json` to `file`, which appears whole or not at all.
 Result<void> writeJson(const std::filesystem::path& file, const Json& json);

@@ -18,16 +18,17 @@ protected:
     /// A picture of grid O, blurred from a grid B that sees the middle of each of its texels.
     static std::vector<vec3> run(ivec2 full, int side, const std::vector<float>& z,
                                  const std::vector<vec3>& rgb, const DofOptions& options,
-                                 bool bilateral = true) {
+                                 bool bilateral = true, float pixelAspect = 1) {
         const ivec2 size = (full + side - 1) / side, whole = full + ivec2(7, 3);
         const gpu::Image depth = depths(full, whole, z);
         const gpu::Image color = colors(full, whole, rgb);
         const Dof pass(device(), extentOf(size + 2));
         gpu::Recorder rec(device());
         rec.begin();
-        pass.record(
-            rec, {depth, effectiveGrid(extentOf(size), extentOf(full), glm::vec2(side)), bilateral},
-            options, color);
+        pass.record(rec,
+                    {depth, effectiveGrid(extentOf(size), extentOf(full), glm::vec2(side)),
+                     bilateral, pixelAspect},
+                    options, color);
         rec.submit();
         return readColors(color, full);
     }
@@ -106,6 +107,28 @@ TEST_F(DofTest, blurGrowsWithTheCircleOfConfusion) {
         EXPECT_LT(now, last) << z;
         last = now;
     }
+}
+
+TEST_F(DofTest, blursAreAsWideAsHighWhateverTheShapeOfPixels) {
+    // Variances of a highlight's blur along x and y, in units of a pixel's height.
+    const auto extentOfBlur = [&](int side, float pixelAspect) {
+        std::vector<vec3> rgb(std::size_t(kSize.x) * kSize.y, vec3(0));
+        for (int i = 0; i < 4; ++i) rgb[std::size_t(31 + i / 2) * kSize.x + 47 + i % 2] = vec3(500);
+        const auto made = run(kSize, side, halves(9.0f, 9.0f), rgb, kLens, true, pixelAspect);
+        glm::dvec2 squares(0);
+        double sum = 0;
+        for (int i = 0; i < kSize.x * kSize.y; ++i) {
+            const glm::dvec2 d(i % kSize.x + 0.5 - kSize.x / 2, i / kSize.x + 0.5 - kSize.y / 2);
+            squares += d * d * double(made[std::size_t(i)].x);
+            sum += made[std::size_t(i)].x;
+        }
+        return squares / sum * glm::dvec2(pixelAspect * pixelAspect, 1);
+    };
+    for (const int side : {1, 2})
+        for (const float pixelAspect : {0.5f, 1.0f, 2.0f}) {
+            const glm::dvec2 blur = extentOfBlur(side, pixelAspect);
+            EXPECT_NEAR(blur.x / blur.y, 1, 0.15) << side << " " << pixelAspect;
+        }
 }
 
 TEST_F(DofTest, aHighlightOfOnePixelCountsTheSameWhereverItLies) {

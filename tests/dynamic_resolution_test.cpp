@@ -5,6 +5,7 @@
 #include <lodestar/scene/procedural.hpp>
 
 #include "gpu_device.hpp"
+#include "small_scenes.hpp"
 
 namespace lodestar::frame {
 namespace {
@@ -50,13 +51,73 @@ TEST_F(DynamicResolution, aViewportShowsWhatATargetOfItsSizeShows) {
     }
 }
 
+TEST_F(DynamicResolution, soItDoesWhereTheAxesHaveScalesOfTheirOwn) {
+    const auto shaped = [](vk::Extent2D size) {
+        FrameSettings s = settings(size.width, size.height, 1);
+        s.aspect = 1.5f;  // of the picture: its pixels are not square
+        s.cull = geometry::CullMode::hiz;
+        s.lod.mode = geometry::LodChoice::Mode::error;
+        return s;
+    };
+    FrameSettings all = shaped({96, 64});
+    all.maxScale = {1.5f, 1.25f};
+    const budget::Levers levers{.shadingRate = 2.5f, .repair = 0.05f};
+    Frame large(device(), *onGpu, all);
+    large.render(camera, {.renderScale = {1.5f, 1.25f}});  // what the unused part then holds
+    for (const auto& [scale, size] : {std::pair{budget::AxisScale(0.5f, 1), vk::Extent2D{48, 64}},
+                                      {{1, 0.5f}, {96, 32}},
+                                      {{1.5f, 0.75f}, {144, 48}},
+                                      {{0.75f, 1.25f}, {72, 80}}}) {
+        budget::Levers scaled = levers;
+        scaled.renderScale = scale;
+        large.render(camera, scaled);
+        ASSERT_EQ(large.grid(), size);
+        Frame alone(device(), *onGpu, shaped(size));
+        alone.render(camera, levers);
+        EXPECT_EQ(radianceOf(large), radianceOf(alone)) << scale.x << " " << scale.y;
+        EXPECT_EQ(large.repairedPixels(), alone.repairedPixels()) << scale.x << " " << scale.y;
+    }
+}
+
+TEST_F(DynamicResolution, whatOneAxisLosesTheOtherDoesNot) {
+    // Beams across the picture, which half as many columns do not change and half as many rows do.
+    small_scenes::SceneBuilder builder("beams");
+    const auto white = builder.add(small_scenes::parts::plain("white", {0.9f, 0.9f, 0.9f}, 0, 1));
+    for (int i = -6; i <= 6; ++i)
+        builder.place(
+            builder.add("beam", small_scenes::parts::box({-9, -0.1, 0}, {9, 0.1, 0.1}, 1), white),
+            {0, 0.45f * float(i), 0});
+    const scene::Scene source = std::move(builder).finish();
+    const scene::GpuScene beams(device(), source);
+    FrameSettings s = settings(60, 40, 1);
+    s.shadowTaps = s.skyViews = 0;
+    Frame frame(device(), beams, s);
+    const scene::Camera from{.eye = {0, 0, 6}, .at = {0, 0, 0}, .verticalFov = 0.6f};
+    const auto shown = [&](budget::AxisScale scale) {
+        frame.render(from, {.renderScale = scale});
+        return gpu::readImage(device(), frame.display());
+    };
+    const auto full = shown(1);
+    const auto worst = [&](budget::AxisScale scale) {
+        int difference = 0;
+        const auto picture = shown(scale);
+        for (std::size_t i = 0; i < full.size(); ++i)
+            difference = std::max(difference, std::abs(int(picture[i]) - int(full[i])));
+        return difference;
+    };
+    EXPECT_LE(worst({0.5f, 1}), 4);
+    EXPECT_GE(worst({1, 0.5f}), 60);
+}
+
 TEST_F(DynamicResolution, changingTheScaleAllocatesNothing) {
     Frame frame(device(), *onGpu, settings(60, 40, 2));
     frame.render(camera, {.shadingRate = 2});
-    const auto before = device().peakBytes();
-    for (const float scale : {0.5f, 2.0f, 0.71f, 1.0f, 1.41f})
+    const auto before = device().allocatedBytes();
+    using budget::AxisScale;
+    for (const AxisScale scale :
+         {AxisScale(0.5f), AxisScale(2), AxisScale(0.5f, 1.41f), AxisScale(2, 0.71f), AxisScale(1)})
         frame.render(camera, {.shadingRate = 2, .renderScale = scale});
-    EXPECT_EQ(device().peakBytes(), before);
+    EXPECT_EQ(device().allocatedBytes(), before);
 }
 
 TEST_F(DynamicResolution, theShownPictureHasTheOutputSizeAtEveryScale) {
@@ -90,10 +151,10 @@ TEST_F(DynamicResolution, aScaleOfTheLightMapsReadsNothingBesideTheirLivePart) {
     Frame large(device(), *onGpu, withMaps(256, 128));
     large.render(camera, {});  // what the unused part then holds
     const auto full = radianceOf(large);
-    const auto before = device().peakBytes();
+    const auto before = device().allocatedBytes();
     for (const auto& [scale, sun, sky] : {std::tuple{0.5f, 128u, 64u}, {0.25f, 64u, 32u}}) {
         large.render(camera, {.shadowScale = scale});
-        EXPECT_EQ(device().peakBytes(), before);
+        EXPECT_EQ(device().allocatedBytes(), before);
         Frame alone(device(), *onGpu, withMaps(sun, sky));
         alone.render(camera, {});
         EXPECT_EQ(radianceOf(large), radianceOf(alone)) << scale;
@@ -112,6 +173,15 @@ TEST_F(DynamicResolution, refusesScalesOutOfRange) {
     EXPECT_THROW(frame.render(camera, {.renderScale = 1.3f}), std::invalid_argument);
     EXPECT_THROW(frame.render(camera, {.renderScale = 0.4f}), std::invalid_argument);
     EXPECT_THROW(frame.render(camera, {.renderScale = NAN}), std::invalid_argument);
+    FrameSettings wide = settings(8, 8, 1);
+    wide.maxScale = {1.5f, 0.5f};  // targets are never made for less than 1
+    Frame shaped(device(), *onGpu, wide);
+    shaped.render(camera, {.renderScale = {1.5f, 1}});
+    for (const budget::AxisScale bad :
+         {budget::AxisScale(1, 1.1f), {1.6f, 1}, {1, 0.4f}, {NAN, 1}, {1, NAN}})
+        EXPECT_THROW(shaped.render(camera, {.renderScale = bad}), std::invalid_argument);
+    wide.maxScale = {1, 2.1f};
+    EXPECT_THROW(Frame(device(), *onGpu, wide), std::invalid_argument);
 }
 
 }  // namespace

@@ -159,6 +159,62 @@ TEST_F(LayerTest, aCoarseLayerNeitherLeaksOverEdgesNorLeavesGaps) {
     }
 }
 
+TEST_F(LayerTest, aViewportOfAnyShapeHasTheLayerThatATargetOfItsSizeHas) {
+    const Scene source = panes({{-1, {0.2f, 0.2f, 0.2f}, 1}, {0, {0.9f, 0.1f, 0.1f}, 0.6f}});
+    const scene::GpuScene onGpu(device(), source);
+    FrameSettings s = settings();
+    s.aspect = 1.5f;
+    Frame large(device(), onGpu, s);
+    for (const auto& [scale, size] :
+         {std::pair{budget::AxisScale(0.5f, 1), vk::Extent2D{36, 48}}, {{1, 0.5f}, {72, 24}}}) {
+        FrameSettings small = s;
+        small.size = size;
+        Frame alone(device(), onGpu, small);
+        for (const float layerScale : {1.0f, 0.5f}) {
+            large.render(view(), {});  // what the unused part then holds
+            large.render(view(), {.renderScale = scale, .layerScale = layerScale});
+            alone.render(view(), {.layerScale = layerScale});
+            EXPECT_EQ(radiance(large), radiance(alone)) << scale.x << " " << layerScale;
+        }
+    }
+}
+
+TEST_F(LayerTest, aFrameOwesNothingToTheScalesOfThoseBefore) {
+    // Two of the panes fill the picture: more than there is room for where nothing is known.
+    Scene source = panes({{-1, {0.5f, 0.5f, 0.5f}, 1},
+                          {0, {0.9f, 0.1f, 0.1f}, 0.6f},
+                          {0.3f, {0.1f, 0.5f, 0.1f}, 0.3f},
+                          {0.6f, {0.1f, 0.1f, 0.7f}, 0.3f}});
+    for (Material& m : source.materials) m.unlit = false;
+    source.nodes[source.instances[1].node].scale = {0.6f, 0.7f, 1};
+    for (const int i : {2, 3}) source.nodes[source.instances[i].node].scale = {3, 3, 1};
+    const scene::GpuScene onGpu(device(), source);
+    FrameSettings s = settings();
+    s.shadowTaps = 3;
+    s.skyViews = 2;
+    s.shadowMapSize = s.skyMapSize = 128;
+    const std::array<budget::Levers, 5> all{
+        budget::Levers{.renderScale = 0.5f, .shadowScale = 0.25f, .layerScale = 0.25f},
+        {.renderScale = {1, 0.5f}, .shadowScale = 0.5f, .layerScale = 0.71f},
+        {.shadowScale = 0.25f, .layerScale = 0.25f},
+        {},
+        {.renderScale = 0.71f, .shadowScale = 0.875f, .layerScale = 0.5f}};
+    const auto shown = [](Frame& frame, const budget::Levers& levers) {
+        frame.render(view(), levers);
+        return std::pair(gpu::readImage(device(), frame.display()), frame.blendedFragments());
+    };
+    Frame one(device(), onGpu, s);
+    one.render(view(), all[0]);
+    const auto bytes = device().allocatedBytes();  // from the least of all on
+    std::vector<std::pair<std::vector<std::byte>, std::uint32_t>> there;
+    for (const budget::Levers& levers : all) there.push_back(shown(one, levers));
+    EXPECT_EQ(device().allocatedBytes(), bytes);
+    EXPECT_GT(there[3].second, 4096u);
+    Frame other(device(), onGpu, s);
+    for (std::size_t i = all.size(); i-- > 0;)
+        EXPECT_EQ(shown(other, all[i]), there[i]) << "of levers " << i;
+}
+
 TEST_F(LayerTest, aMovingPaneLeavesNoGhostInTheHistory) {
     Scene source = panes({{-1, {0.2f, 0.2f, 0.2f}, 1}, {0, {0.9f, 0.5f, 0.1f}, 0.6f}});
     source.nodes[source.instances[1].node].scale = {0.3f, 0.5f, 1};

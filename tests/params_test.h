@@ -17,6 +17,7 @@
 #include "lodestar/scale/temporal_params.h"
 #include "lodestar/scene/deform_params.h"
 #include "lodestar/scene/gpu_types.h"
+#include "lodestar/shading/background_params.h"
 #include "lodestar/shading/coarse_params.h"
 #include "lodestar/shading/combine_params.h"
 #include "lodestar/shading/layer_params.h"
@@ -29,6 +30,7 @@
 #include "lodestar/visibility/compact_params.h"
 #include "lodestar/visibility/expand_params.h"
 #include "lodestar/visibility/fragments_params.h"
+#include "lodestar/visibility/list_tiles_params.h"
 #include "lodestar/visibility/motion_params.h"
 #include "lodestar/visibility/peel_params.h"
 #include "lodestar/visibility/rebuild_params.h"
@@ -87,6 +89,8 @@ struct AllParams {
     FurtherPixel furtherPixel;
     RebuildParams rebuild;
     SampleGridParams sampleGrid;
+    ListTilesParams listTiles;
+    BackgroundParams background;
     SpatialParams spatial;
     CombineParams combine;
     MotionParams motion;
@@ -131,7 +135,7 @@ LS_NAMESPACE_END
 #define LS_VISIT_GRID(VISIT, g) VISIT(g.size) VISIT(g.fullSize) VISIT(g.rate)
 #define LS_VISIT_LENS(VISIT, l) \
     LS_VISIT_GRID(VISIT, l.grid) VISIT(l.focus) VISIT(l.sharp) VISIT(l.slope) \
-    VISIT(l.thesis) VISIT(l.cocFalloff) VISIT(l.steps)
+    VISIT(l.thesis) VISIT(l.cocFalloff) VISIT(l.stepsX) VISIT(l.stepsY)
 #define LS_VISIT_ALL(VISIT, p) \
     VISIT(p.vertex.position) VISIT(p.vertex.normal) \
     VISIT(p.attributes.uv) VISIT(p.attributes.tangent) VISIT(p.attributes.color) \
@@ -252,7 +256,7 @@ LS_NAMESPACE_END
     VISIT(p.sampleGrid.size) VISIT(p.sampleGrid.fullSize) VISIT(p.sampleGrid.rate) \
     VISIT(p.spatial.step) VISIT(p.spatial.texelSize) VISIT(p.spatial.last) \
     VISIT(p.spatial.live) VISIT(p.spatial.size) VISIT(p.spatial.amount) VISIT(p.spatial.seed) \
-    VISIT(p.combine.size) \
+    VISIT(p.combine.size) VISIT(p.listTiles.size) VISIT(p.background.size) \
     VISIT(p.motion.previousClipFromWorld) VISIT(p.motion.size) \
     VISIT(p.motion.firstDeformed) \
     VISIT(p.deform.firstVertex) VISIT(p.deform.vertexCount) VISIT(p.deform.firstRest) \
@@ -260,7 +264,8 @@ LS_NAMESPACE_END
     VISIT(p.deform.deltas) VISIT(p.deform.deltaRows) VISIT(p.deform.firstActive) \
     VISIT(p.deform.activeCount) VISIT(p.deformBounds.firstMeshlet) \
     VISIT(p.deformBounds.meshletCount) \
-    VISIT(p.peel.clipFromWorld) VISIT(p.peel.textureScale) VISIT(p.peel.toOpaque) VISIT(p.peel.opaqueSize) \
+    VISIT(p.peel.clipFromWorld) VISIT(p.peel.textureScale) VISIT(p.peel.toOpaque) \
+    VISIT(p.peel.opaqueSize) \
     VISIT(p.layer.size) VISIT(p.layer.fullSize) VISIT(p.layer.capacity) VISIT(p.showLods.scale) \
     VISIT(p.temporal.texelSize) VISIT(p.temporal.last) VISIT(p.temporal.live) \
     VISIT(p.temporal.jitter) VISIT(p.temporal.size) VISIT(p.temporal.falloff) \

@@ -98,6 +98,29 @@ TEST_F(PostFrameTest, theSameFrameGivesTheSameBytesAtAnyScaleItComesFrom) {
     EXPECT_EQ(gpu::readImage(device(), alone.radiance()), first);
 }
 
+TEST_F(PostFrameTest, andWhereTheAxesHaveScalesOfTheirOwn) {
+    frame::FrameSettings s = settings(true, true);
+    s.aspect = 1.5f;
+    s.post.shutter = 1;
+    const scene::Camera moved = scene::orbited(camera, camera.at, 0.03f);
+    frame::Frame large(device(), *onGpu, s);
+    for (const auto& [scale, size] :
+         {std::pair{budget::AxisScale(0.5f, 1), vk::Extent2D{72, 96}}, {{1, 0.5f}, {144, 48}}}) {
+        const budget::Levers levers{.postRates = {4, 16, 4}};
+        budget::Levers scaled = levers;
+        scaled.renderScale = scale;
+        large.render(camera, {});  // what the unused part then holds
+        large.render(moved, scaled);
+        frame::FrameSettings small = s;
+        small.size = size;
+        frame::Frame alone(device(), *onGpu, small);
+        alone.render(camera, levers);
+        alone.render(moved, levers);
+        EXPECT_EQ(gpu::readImage(device(), alone.radiance()),
+                  gpu::readImage(device(), large.radiance()));
+    }
+}
+
 TEST_F(PostFrameTest, recordsGiveTheirRepresentativesToTheEffects) {
     frame::CaptureFrame capture(device(), *onGpu, {.base = {72, 48}, .side = 2});
     capture.capture(camera);

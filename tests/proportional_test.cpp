@@ -54,7 +54,7 @@ TEST(Proportional, followsTheLawOfTheSource) {
     // t = (22 + 26) / 2 = 24: S' = 0.8 + 0.5 · 0.8 · (20 − 24) / 20
     const Levers levers = controller.next({.gpuMs = 22, .passes = {}, .intervalMs = 26});
     EXPECT_NEAR(controller.scale(), 0.72, 1e-12);
-    EXPECT_FLOAT_EQ(levers.renderScale, 0.72f);
+    EXPECT_EQ(levers.renderScale, AxisScale(0.72f));
     EXPECT_EQ(levers.shadingRate, 1);
 }
 
@@ -138,6 +138,72 @@ TEST(Proportional, supersamplesWhereThereIsRoom) {
     EXPECT_EQ(controller.scale(), 2);
 }
 
+TEST(Proportional, movesWhatItIsToldAndNothingElse) {
+    const Levers given{
+        .shadingRate = 2, .renderScale = 0.9f, .shadowScale = 0.6f, .layerScale = 0.8f};
+    const ProportionalController alone({}, 0.7);
+    const Levers one = alone.drive(given);
+    EXPECT_EQ(one.renderScale, AxisScale(0.7f));
+    EXPECT_EQ(one.layerScale, given.layerScale);
+    EXPECT_EQ(one.shadowScale, given.shadowScale);
+    EXPECT_EQ(one.shadingRate, 2);
+    const ProportionalController others(
+        {.least = 0.25, .controls = {.render = false, .layer = true, .shadow = true}}, 0.5);
+    const Levers two = others.drive(given);
+    EXPECT_EQ(two.renderScale, given.renderScale);
+    EXPECT_FLOAT_EQ(two.layerScale, 0.4f);
+    EXPECT_FLOAT_EQ(two.shadowScale, 0.3f);
+    // Never below what a frame takes, nor above what was given.
+    const ProportionalController least(
+        {.least = 0.25, .controls = {.render = false, .layer = true, .shadow = true}}, 0.25);
+    EXPECT_EQ(least.drive(given).layerScale, 0.25f);
+    EXPECT_EQ(least.drive(given).shadowScale, 0.25f);
+    const ProportionalController more({.most = 2, .controls = {.layer = true, .shadow = true}},
+                                      1.5);
+    EXPECT_EQ(more.drive(given).layerScale, given.layerScale);
+    EXPECT_EQ(more.drive(given).shadowScale, given.shadowScale);
+}
+
+TEST(Proportional, anAxisGetsNoMoreThanItWasGiven) {
+    const ProportionalController controller({.most = 1.5}, 1.2);
+    EXPECT_EQ(controller.drive({.renderScale = {1.5f, 0.5f}}).renderScale, AxisScale(1.2f, 1));
+    EXPECT_EQ(controller.drive({.renderScale = {1.1f, 1.5f}}).renderScale, AxisScale(1.1f, 1.2f));
+}
+
+TEST(Proportional, lightMapsChangeInStepsThatNoiseDoesNotMove) {
+    ProportionalController controller({.targetMs = 16, .controls = {.shadow = true}});
+    std::mt19937 random(1);
+    std::normal_distribution<double> relative(1, 0.05);
+    std::set<float> late;
+    int changes = 0;
+    float last = 1;
+    for (int i = 0; i < 200; ++i) {
+        const float now = controller.drive({}).shadowScale;
+        EXPECT_EQ(now * 8, std::round(now * 8));
+        changes += now != last;
+        last = now;
+        if (i > 40) late.insert(now);
+        controller.update({.gpuMs = frameMs(controller.scale(), 30, 2) * relative(random)});
+    }
+    EXPECT_LE(changes, 4);
+    EXPECT_EQ(late.size(), 1u);
+}
+
+TEST(Proportional, settlesWithAllOfThemControlled) {
+    // The layer goes with S twice: it is a share of the frame's own grid.
+    ProportionalController controller(
+        {.targetMs = 16, .controls = {.layer = true, .shadow = true}});
+    std::vector<double> ms;
+    for (int i = 0; i < 100; ++i) {
+        const Levers l = controller.drive({});
+        const double s = double{l.renderScale.x}, layer = s * double{l.layerScale};
+        ms.push_back(2 + 8 * s * s + 20 * layer * layer +
+                     6 * double{l.shadowScale * l.shadowScale});
+        controller.update({.gpuMs = ms.back(), .passes = {}, .intervalMs = ms.back()});
+    }
+    for (std::size_t i = 40; i < ms.size(); ++i) EXPECT_NEAR(ms[i], 16, 0.3) << i;
+}
+
 TEST(Proportional, refusesWhatMakesNoSense) {
     using C = ProportionalController;
     EXPECT_THROW(C({.targetMs = 0}), std::invalid_argument);
@@ -148,6 +214,7 @@ TEST(Proportional, refusesWhatMakesNoSense) {
     EXPECT_THROW(C({.hysteresis = NAN}), std::invalid_argument);
     EXPECT_THROW(C({.bands = -1}), std::invalid_argument);
     EXPECT_THROW(C({}, 1.5), std::invalid_argument);
+    EXPECT_THROW(C({.controls = {.render = false}}), std::invalid_argument);
     C controller({});
     EXPECT_THROW(controller.next({.gpuMs = NAN}), std::invalid_argument);
     EXPECT_THROW(controller.next({.gpuMs = 1, .passes = {}, .intervalMs = -1}),

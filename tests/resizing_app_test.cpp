@@ -106,6 +106,57 @@ TEST(LeverOptions, allOfThemReachTheFrameInAnyOrder) {
     const Json c = settingsOf(" --scale 0.5 --full-resize --shading-rate 2");
     EXPECT_EQ(c.at("render_scale"), 0.5);
     EXPECT_EQ(c.at("full_resize"), true);
+    const Json d = settingsOf(" --scale 0.5x1 --temporal lodestar --frames 2 --validate");
+    EXPECT_EQ(d.at("render_scale_axes"), Json::array({0.5, 1}));
+    EXPECT_NEAR(d.at("render_scale").get<double>(), std::sqrt(0.5), 1e-6);
+    EXPECT_EQ(settingsOf(" --scale 1x1.5").at("max_scale"), 1.5);
+}
+
+TEST(LeverOptions, aScaleThatIsNoneIsRefusedInOneLine) {
+    const TempFolder folder;
+    const std::string command =
+        "render builtin:spheres --size 48x32 --out " + (folder / "p.png").string() + " --scale ";
+    for (const std::string wrong :
+         {"0.4", "2.5", "0.4x1", "1x3", "1x", "x1", "1x1x1", "1,1", "nan", "1xinf"}) {
+        const auto [status, line] = run(folder, command + wrong);
+        EXPECT_EQ(status, 2) << wrong;
+        EXPECT_NE(line.find("'" + wrong + "' is no scale"), std::string::npos) << line;
+        EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << line;
+    }
+}
+
+TEST(Controls, areShownFrameByFrameAndWrongOnesAreRefused) {
+    const TempFolder folder;
+    const std::string report = (folder / "r.json").string(), table = (folder / "t.csv").string();
+    const std::string command = "render builtin:columns --size 48x32 --frames 6 --out " +
+                                (folder / "p.png").string() + " --json " + report;
+    const std::string held = " --budget 50% --controller proportional";
+    const auto [status, error] =
+        run(folder, command + held + " --controls scale,layer,shadow --trace " + table);
+    ASSERT_EQ(status, 0) << error;
+    const Json json = Json::parse(contents(report));
+    // Nothing is blended and nothing moves: what cannot help is left alone.
+    EXPECT_EQ(json.at("budget").at("controls"), Json::array({"scale"}));
+    EXPECT_NE(contents(folder / "stdout").find("nothing in the scene is blended"),
+              std::string::npos);
+    ASSERT_EQ(json.at("frames").size(), 6u);
+    for (const Json& frame : json.at("frames")) {
+        EXPECT_EQ(frame.at("layer_scale"), 1);
+        EXPECT_EQ(frame.at("shadow_scale"), 1);
+        EXPECT_EQ(frame.at("s"), frame.at("s_x"));
+    }
+    EXPECT_EQ(contents(table).substr(0, 58),
+              "frame,r,s,s_x,s_y,layer_scale,shadow_scale,frame_ms,target");
+    for (const auto& [wrong, exitCode] : {std::pair{held + " --controls bloom", 2},
+                                          {held + " --controls scale,", 2},
+                                          {held + " --controls layer", 1},
+                                          {std::string(" --controls layer"), 1},
+                                          {std::string(" --budget 50% --controls layer"), 1},
+                                          {std::string(" --trace t.csv"), 1}}) {
+        const auto [refused, line] = run(folder, command + wrong);
+        EXPECT_EQ(refused, exitCode) << wrong;
+        EXPECT_EQ(std::count(line.begin(), line.end(), '\n'), 1) << wrong << line;
+    }
 }
 
 TEST(EffectOptions, reachTheFrameAndWrongOnesAreRefusedInALine) {
@@ -187,7 +238,7 @@ TEST(PaperScenes, loadGivesTheShareThatWasAskedFor) {
     const auto tapShare = [&](Load load) { return taps(load) / (300 + taps(load)); };
     const Load nine = paperLoad(budget::Term::shadow);
     EXPECT_NEAR(tapShare(loadFor(budget::Term::shadow, 0.93, nine, tapShare(nine))), 0.93, 0.01);
-    EXPECT_EQ(loadFor(budget::Term::shadow, 0.9999, nine, tapShare(nine)).amount, 64u);
+    EXPECT_EQ(loadFor(budget::Term::shadow, 0.9999, nine, tapShare(nine)).amount, 128u);
 }
 
 TEST(Motion, ofAPlaneFollowsTheCameraAndHiddenPixelsHaveNone) {

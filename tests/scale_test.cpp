@@ -76,7 +76,9 @@ TEST_F(ScaleTest, equalsTheReference) {
         for (const auto& [live, size] : {std::pair{ivec2(17, 33), ivec2(40, 51)},
                                          {ivec2(1, 1), ivec2(3, 5)},
                                          {ivec2(20, 9), ivec2(28, 13)},
-                                         {ivec2(5, 64), ivec2(7, 65)}}) {
+                                         {ivec2(5, 64), ivec2(7, 65)},
+                                         {ivec2(21, 30), ivec2(40, 30)},
+                                         {ivec2(40, 15), ivec2(31, 30)}}) {
             const Picture source = random(live, 7);
             const Picture wanted = reference::scale(source, size, filter);
             const auto made = run(pass, target(source, live), live, size, {.filter = filter});
@@ -126,6 +128,27 @@ TEST_F(ScaleTest, aPictureOfTheSameSizeStaysAsItIs) {
         for (std::size_t i = 0; i < made.size(); ++i)
             ASSERT_NEAR(made[i].x, 255 * source.texels[i].x, 1)
                 << kFilterNames[std::size_t(filter)];
+    }
+}
+
+TEST_F(ScaleTest, anAxisOfTheSameSizeStaysAsItIs) {
+    const Spatial pass(device());
+    Picture rows = random({10, 31}, 9), columns = random({31, 10}, 9);
+    for (int i = 0; i < 310; ++i) {
+        rows.texels[std::size_t(i)] = rows.at({0, i / 10});
+        columns.texels[std::size_t(i)] = columns.at({i % 31, 0});
+    }
+    for (const Filter filter :
+         {Filter::point, Filter::bilinear, Filter::bicubic, Filter::edgeAdaptive}) {
+        const auto wide = run(pass, target(rows, {12, 40}), {10, 31}, {20, 31}, {.filter = filter});
+        const auto high =
+            run(pass, target(columns, {40, 12}), {31, 10}, {31, 20}, {.filter = filter});
+        for (int i = 0; i < 20 * 31; ++i) {
+            ASSERT_NEAR(wide[std::size_t(i)].y, 255 * rows.at({0, i / 20}).y, 1)
+                << kFilterNames[std::size_t(filter)];
+            ASSERT_NEAR(high[std::size_t(i)].y, 255 * columns.at({i % 31, 0}).y, 1)
+                << kFilterNames[std::size_t(filter)];
+        }
     }
 }
 

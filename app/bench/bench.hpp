@@ -122,7 +122,5 @@ std::string sceneSlug(const std::string& scene);
 Json finiteOrNull(double);
 /// The number under `key`, +infinity for null.
 double numberOrInfinity(const Json& row, const char* key);
-/// Flat rows as a table with a heading line; a column for every key, in order of appearance.
-std::string csvOf(const Json& rows);
 
 }  // namespace lodestar::app

@@ -26,19 +26,6 @@ scene::Camera startOf(const scene::Camera& camera, const CameraPath& path) {
     return partial ? scene::orbited(camera, camera.at, -path.amount / 2) : camera;
 }
 
-/// Frame by frame: r, the whole time and that of each pass [ms].
-std::string traceCsv(const Run& run) {
-    Json rows = Json::array();
-    for (const budget::TraceFrame& f : run.trace.frames()) {
-        Json row = {
-            {"frame", rows.size()}, {"r", f.rate}, {"frame_ms", f.ms}, {"target_ms", f.targetMs}};
-        for (const budget::PassCost& pass : run.costs[rows.size()].passes)
-            row[pass.name + "_ms"] = pass.ms;
-        rows.push_back(row);
-    }
-    return csvOf(rows);
-}
-
 /// Median and worst over the sampled frames. The last sample and its full-quality picture are
 /// written.
 Result<void> judge(const Session& session, frame::Frame& frame, const Run& run,
@@ -126,7 +113,7 @@ Result<void> measureScene(const BenchCase& what, const BenchOptions& options, Be
     if (auto done = judge(session, frame, run, stem, row, result.files); !done) return done;
     const fs::path trace = stem.string() + ".trace.csv";
     result.files.push_back(trace);
-    if (auto done = writeWholeFile(trace, traceCsv(run)); !done) return done;
+    if (auto done = writeWholeFile(trace, csvOf(traceRows(run))); !done) return done;
     if (result.rows.empty()) {
         describeDevice(session, result.report);
         result.report.passes = summarisePasses(run.costs);

@@ -54,11 +54,19 @@ constexpr std::array kWays{
 };
 constexpr std::array kRates{1.5f, 2.0f, 3.0f, 3.5f, 4.0f, 5.0f, 6.0f, 8.0f};
 
-/// The cap at which repair takes a twelfth of the frame at most: the dearer the terms, the fewer
-/// pixels.
-float repairCap(double share, float rate) {
+/// The cap at which repair takes a twelfth of the frame at most: the dearer the terms of the pixels
+/// that show something, the fewer. Pixels here and there cost half as much again as they do among
+/// their neighbours.
+float repairCap(double share, double covered, float rate) {
     const double frame = 1 - share + share / (double(rate) * rate);
-    return static_cast<float>(std::min(double(kRepair), frame / 12 / share));
+    return static_cast<float>(std::min(double(kRepair), frame / 12 / (1.5 * share / covered)));
+}
+
+/// The share of the pixels that show something.
+double coveredShare(const gpu::Device& device, const frame::Frame& frame) {
+    const auto depth = gpu::as<float>(gpu::readImage(device, frame.depth()));
+    const auto seen = std::count_if(depth.begin(), depth.end(), [](float z) { return z > 0; });
+    return double(seen) / double(depth.size());
 }
 
 /// What was measured of one way at one rate.
@@ -145,11 +153,13 @@ Result<void> measureScene(const PaperScene& paper, const BenchCase& what,
     Frames frames(device, *session.gpuScene, withLoad(options.settings, paper.term, load));
 
     const double share = shareOf(frames.bilateral, camera);
+    const double covered = coveredShare(device, frames.bilateral);
     std::vector<Measured> all{{.way = nullptr}};
     for (const float rate : kRates)
         for (const Way& way : kWays)
-            all.push_back(
-                {.way = &way, .rate = rate, .repair = way.repair ? repairCap(share, rate) : 0});
+            all.push_back({.way = &way,
+                           .rate = rate,
+                           .repair = way.repair ? repairCap(share, covered, rate) : 0});
     Progress bar("measuring", static_cast<std::size_t>(options.rounds + kWarmUp) * all.size());
     std::size_t done = 0;
     warmUp([&] { return frames.bilateral.render(camera, {}); });

@@ -37,7 +37,7 @@ Load loadFor(Term term, double wanted, Load now, double share) {
                 static_cast<std::uint32_t>(warps)};
     }
     // The window of N taps touches N + 1 texels a side.
-    const double most = term == Term::shadow ? 64 : 32;
+    const double most = term == Term::shadow ? shared::LS_MAX_SHADOW_TAPS : 32;
     return {static_cast<std::uint32_t>(
                 std::clamp(std::round((now.amount + 1) * std::sqrt(factor)) - 1, 1.0, most)),
             0};
@@ -64,15 +64,16 @@ Load findLoad(const PaperScene& paper, const Session& session, const scene::Came
               const frame::FrameSettings& settings) {
     Load load = paperLoad(paper.term);
     double share = 0, paperShare = 0;
-    // What a load costs is a guess until it is measured.
-    constexpr double kClose = 0.01;
-    for (int step = 0; step < 4; ++step) {
+    // What a load costs is a guess until it is measured. Not below the paper's share: what a term
+    // lacks of it no resizing can save.
+    constexpr double kAim = 0.008, kOver = 0.02;
+    for (int step = 0; step < 6; ++step) {
         frame::Frame probe(*session.device, *session.gpuScene,
                            withLoad(settings, paper.term, load));
         share = shareOf(probe, camera);
         if (step == 0) paperShare = share;
-        if (std::abs(share - paper.share) < kClose) break;
-        load = loadFor(paper.term, paper.share, load, share);
+        if (share >= paper.share && share < paper.share + kOver) break;
+        load = loadFor(paper.term, paper.share + kAim, load, share);
     }
     fmt::print("{}: {} has {:.0f} % of the frame at the paper's load {}; measured at {}{}\n",
                paper.name, budget::kTermNames[static_cast<std::size_t>(paper.term)],

@@ -81,16 +81,6 @@ Json barsJson(const std::vector<Bar>& bars) {
     return json;
 }
 
-std::string csvCell(const Json& value) {
-    if (value.is_null()) return "";
-    if (!value.is_string()) return value.dump();
-    std::string text = value.get<std::string>();
-    if (text.find_first_of(",\"\n\r") == std::string::npos) return text;
-    std::string quoted = "\"";
-    for (const char c : text) quoted += c == '"' ? "\"\"" : std::string(1, c);
-    return quoted + '"';
-}
-
 /// What earlier runs left in the folder.
 Result<Json> resultsIn(const fs::path& file) {
     std::error_code ignored;
@@ -127,24 +117,6 @@ std::string pageOf(const Json& all) {
 }
 
 }  // namespace
-
-std::string csvOf(const Json& rows) {
-    std::vector<std::string> keys;
-    for (const Json& row : rows)
-        for (const auto& [key, value] : row.items())
-            if (std::find(keys.begin(), keys.end(), key) == keys.end()) keys.push_back(key);
-    std::string text;
-    for (const std::string& key : keys) text += (text.empty() ? "" : ",") + csvCell(Json(key));
-    text += '\n';
-    for (const Json& row : rows) {
-        for (std::size_t i = 0; i < keys.size(); ++i) {
-            if (i > 0) text += ',';
-            if (const auto found = row.find(keys[i]); found != row.end()) text += csvCell(*found);
-        }
-        text += '\n';
-    }
-    return text;
-}
 
 std::string rowText(const Bench& bench, const Json& row) {
     std::string line;

@@ -25,10 +25,12 @@ add_library(lodestar STATIC
     visibility/compact.cpp
     visibility/expand.cpp
     visibility/fragments.cpp
+    visibility/list_tiles.cpp
     visibility/motion.cpp
     visibility/peel.cpp
     visibility/rebuild.cpp
     visibility/sample_grid.cpp
+    shading/background.cpp
     shading/coarse.cpp
     shading/combine.cpp
     shading/layer.cpp
@@ -94,12 +96,14 @@ lodestar_shaders(lodestar
     visibility/compact.comp
     visibility/expand.comp
     visibility/fragments.comp
+    visibility/list_tiles.comp
     visibility/merge.comp
     visibility/motion.comp
     visibility/peel.frag
     visibility/rebuild.comp
     visibility/sample_grid.comp
     visibility/resolve.comp
+    shading/background.comp
     shading/coarse.comp
     shading/coarse_listed.comp
     shading/combine.comp

@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -21,6 +23,24 @@ enum class Effect { ssao, dof, motionBlur };
 inline constexpr std::array<std::string_view, 3> kEffectNames{"ssao", "dof", "motion-blur"};
 inline constexpr std::size_t kEffects = kEffectNames.size();
 
+/// A scale of each axis of a picture; a number means both.
+struct AxisScale {
+    float x = 1, y = 1;
+
+    constexpr AxisScale() = default;
+    constexpr AxisScale(float both) : x(both), y(both) {}
+    constexpr AxisScale(float alongX, float alongY) : x(alongX), y(alongY) {}
+    bool operator==(const AxisScale&) const = default;
+
+    /// The one scale that has as many pixels.
+    float mean() const { return x == y ? x : std::sqrt(x * y); }
+    float largest() const { return std::max(x, y); }
+    AxisScale atLeast(float least) const { return {std::max(x, least), std::max(y, least)}; }
+    AxisScale atMost(const AxisScale& most) const {
+        return {std::min(x, most.x), std::min(y, most.y)};
+    }
+};
+
 /// What a frame may spend. Everything that decides writes this; everything that renders reads it.
 struct Levers {
     float shadingRate = 1;  ///< r of the coarse terms: grid S is ⌈W/r⌉ × ⌈H/r⌉; 1 = full quality
@@ -33,8 +53,9 @@ struct Levers {
     /// further apart than this (0 … 1); 0 = all are.
     float localRate = 0;
 
-    /// S: the frame is rendered at S·W × S·H and scaled to W × H; above 1 it is supersampled.
-    float renderScale = 1;
+    /// S: the frame is rendered at S·W × S·H, where each axis may have an S of its own, and scaled
+    /// to W × H; above 1 it is supersampled.
+    AxisScale renderScale = 1;
 
     /// Of the depth maps of sun and sky, of their texels a side: 0.25 … 1. A change redraws them.
     float shadowScale = 1;

@@ -13,6 +13,10 @@ constexpr double kBandStep = 0.25;  // share of a band's width that S moves in a
 /// How far past a band's end the law must ask before the band changes [widths].
 constexpr double kBandHold = 0.25;
 
+/// Steps of the light maps' scale, and how far S must be from the present one to leave it.
+constexpr double kShadowStep = 0.125, kShadowHold = 0.1;
+constexpr float kLeastShare = 0.25f;  // of layerScale and shadowScale
+
 void require(bool holds, const char* what) {
     if (!holds) throw std::invalid_argument(std::string("ProportionalController: ") + what);
 }
@@ -20,7 +24,7 @@ void require(bool holds, const char* what) {
 }  // namespace
 
 ProportionalController::ProportionalController(const ProportionalSettings& given, double startScale)
-    : settings(given), s(startScale), wanted(startScale), band(startScale) {
+    : settings(given), s(startScale), wanted(startScale), band(startScale), shadow(1) {
     require(std::isfinite(given.targetMs) && given.targetMs > 0, "targetMs must be above 0");
     require(given.k > 0 && given.k < 1, "k must be between 0 and 1");
     require(std::isfinite(given.most) && given.least > 0 && given.most >= given.least,
@@ -31,9 +35,11 @@ ProportionalController::ProportionalController(const ProportionalSettings& given
     require(given.bands >= 0, "bands must not be negative");
     require(startScale >= given.least && startScale <= given.most,
             "startScale must be in least … most");
+    require(given.controls.any(), "controls must name something");
+    holdShadow();
 }
 
-Levers ProportionalController::next(const FrameCosts& measured) {
+void ProportionalController::update(const FrameCosts& measured) {
     const auto isTime = [](double ms) { return std::isfinite(ms) && ms >= 0; };
     require(isTime(measured.gpuMs), "gpuMs must be a time");
     require(isTime(measured.intervalMs), "intervalMs must be a time");
@@ -56,7 +62,26 @@ Levers ProportionalController::next(const FrameCosts& measured) {
     } else {
         s = wanted;
     }
-    return Levers{.renderScale = static_cast<float>(s)};
+    holdShadow();
+}
+
+void ProportionalController::holdShadow() {
+    const double share = std::min(s, 1.0);
+    if (std::abs(share - shadow) > kShadowHold)
+        shadow = std::round(share / kShadowStep) * kShadowStep;
+}
+
+Levers ProportionalController::drive(const Levers& given) const {
+    Levers levers = given;
+    const auto share = [](float most, double of) {
+        return std::clamp(most * static_cast<float>(of), std::min(kLeastShare, most), most);
+    };
+    const ScaleControls& controls = settings.controls;
+    if (controls.render)
+        levers.renderScale = AxisScale(static_cast<float>(s)).atMost(given.renderScale.atLeast(1));
+    if (controls.layer) levers.layerScale = share(given.layerScale, std::min(s, 1.0));
+    if (controls.shadow) levers.shadowScale = share(given.shadowScale, shadow);
+    return levers;
 }
 
 /// Bands start at least and the highest is most. The band below what is wanted, so that the target

@@ -2,6 +2,7 @@
 #include <lodestar/frame/blended_layer.hpp>
 
 #include <lodestar/shading/coarse_params.h>
+#include <lodestar/visibility/peel_params.h>
 #include <lodestar/visibility/view_params.h>
 #include <lodestar/frame/targets.hpp>
 
@@ -41,6 +42,14 @@ void BlendedLayer::makeRoom(std::uint32_t capacity) {
     radiance.emplace(image("layer: radiance"));
 }
 
+/// How many of the fragments found at `size` there would be at the largest.
+std::uint32_t BlendedLayer::mostOf(vk::Extent2D size) const {
+    const auto area = [](vk::Extent2D e) { return std::uint64_t{e.width} * e.height; };
+    const std::uint64_t most = area(coverageImage.extent());
+    const std::uint64_t scaledUp = fragments->found() * most / area(size);
+    return static_cast<std::uint32_t>(std::min(scaledUp, most * shared::LS_PEELS));
+}
+
 gpu::FrameTimes BlendedLayer::blend(gpu::Recorder& rec, const scene::GpuScene& scene,
                                     const geometry::Cull& cull, const Shading& with,
                                     const Over& over) {
@@ -61,9 +70,9 @@ gpu::FrameTimes BlendedLayer::blend(gpu::Recorder& rec, const scene::GpuScene& s
     layer.recordList(rec, found, *fragments, targets);
     gpu::FrameTimes times = rec.submit();
     rec.begin();
-    if (fragments->overflowed()) {
-        // Rare: once more, where there is room.
-        makeRoom(fragments->found() + fragments->found() / 4);
+    if (const std::uint32_t most = mostOf(size); most > fragments->capacity) {
+        // Rare: once more, where there is room for them at every scale.
+        makeRoom(most + most / 4);
         layer.recordList(rec, found, *fragments, targets);
         gpu::FrameTimes again = rec.submit();
         again.precede(times);

@@ -31,7 +31,7 @@ public:
         gpu::View depth;     ///< R32_SFLOAT, linear: of what is opaque
         gpu::View radiance;  ///< RGBA16_SFLOAT
         float scale = 1;     ///< of the layer's grid, 0.25 … 1
-        float textureScale = 1;
+        glm::vec2 textureScale{1};
         geometry::LodChoice lod;
     };
     /// Blends them over the picture. Submits what was recorded, to see how many fragments there are
@@ -46,6 +46,7 @@ public:
 
 private:
     void makeRoom(std::uint32_t capacity);
+    std::uint32_t mostOf(vk::Extent2D size) const;
     void shade(gpu::Recorder&, const scene::GpuScene&, const Shading&, const Over&,
                vk::Extent2D size);
 

@@ -45,7 +45,7 @@ std::optional<geometry::SampledPicture> EyeCapture::samplesOf(const glm::mat4& c
 void EyeCapture::record(gpu::Recorder& rec, const scene::GpuScene& scene,
                         const geometry::DrawList& list, const glm::mat4& clipFromWorld,
                         gpu::View ids, const std::string& name, geometry::DrawPhase phase,
-                        float textureScale, bool complete) const {
+                        glm::vec2 textureScale, bool complete) const {
     rec.barrier(Stage::compute, Stage::indirect);
     if (const auto* compute = std::get_if<Compute>(&implementation)) {
         rec.barrier(Stage::compute, Stage::compute);

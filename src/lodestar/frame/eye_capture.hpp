@@ -21,7 +21,7 @@ public:
     /// is false: the ids are not needed then.
     void record(gpu::Recorder&, const scene::GpuScene&, const geometry::DrawList& list,
                 const glm::mat4& clipFromWorld, gpu::View ids, const std::string& name,
-                geometry::DrawPhase, float textureScale, bool complete = true) const;
+                geometry::DrawPhase, glm::vec2 textureScale, bool complete = true) const;
     /// The depths of a picture of `size` that was recorded last.
     void recordHiZ(gpu::Recorder&, vk::Extent2D size, const glm::mat4& clipFromWorld,
                    geometry::HiZ&) const;

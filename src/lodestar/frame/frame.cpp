@@ -8,6 +8,7 @@
 #include <glm/gtc/packing.hpp>
 
 #include <lodestar/shading/coarse_params.h>
+#include <lodestar/shading/light_params.h>
 #include <lodestar/upsample/refine_params.h>
 #include <lodestar/upsample/upsample_params.h>
 #include <lodestar/frame/post_chain.hpp>
@@ -60,7 +61,8 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
         meter();
         reset();
     }
-    if ((levers.renderScale != 1 || options.maxScale > 1) && (reduction || levers.localRate > 0))
+    if ((levers.renderScale != 1 || options.maxScale.largest() > 1) &&
+        (reduction || levers.localRate > 0))
         throw std::invalid_argument("Levers::renderScale: not with supersample or a local rate");
     check(levers);
     if (temporal && levers.resizeAll)
@@ -121,8 +123,8 @@ gpu::FrameTimes Frame::rebuild(const visibility::CompactRecord& from, const scen
 
 void Frame::begin(const scene::Camera& camera, const budget::Levers& levers,
                   scale::TemporalMode mode) {
-    const float renderScale = levers.renderScale;
-    if (!(renderScale >= kLeastScale && renderScale <= std::max(options.maxScale, 1.0f)))
+    const budget::AxisScale renderScale = levers.renderScale;
+    if (!isRenderScale(renderScale, options.maxScale.atLeast(1)))
         throw std::invalid_argument("Levers::renderScale must be 0.5 … FrameSettings::maxScale");
     if (!(levers.shadowScale >= 0.25f && levers.shadowScale <= 1))
         throw std::invalid_argument("Levers::shadowScale must be 0.25 … 1");
@@ -149,15 +151,30 @@ void Frame::shade(const budget::Levers& levers, const visibility::CompactRecord*
         show();
         return;
     }
+    shadeBackground();
     // What is exact on grid O, and the expensive terms on grids S.
-    rebuildPass.record(rec, *scene, {ids(), viewBuffer, {}, live, textureScale}, surfaces);
+    rebuildPass.record(rec, *scene,
+                       {.ids = ids(),
+                        .view = viewBuffer,
+                        .grid = live,
+                        .textureScale = textureScale,
+                        .tiles = &coveredTiles},
+                       surfaces);
     evaluateTerms(levers);
     if (post) post->recordOcclusion(rec, picture(from), levers, terms());
     rec.barrier(Stage::compute, Stage::compute);
 
     combine.record(rec,
-                   {viewBuffer, lightBuffer, surfaces.depth, surfaces.material, surfaces.emissive,
-                    termImage, skyImage, scene->lights},
+                   {viewBuffer,
+                    lightBuffer,
+                    surfaces.depth,
+                    surfaces.material,
+                    surfaces.emissive,
+                    termImage,
+                    skyImage,
+                    scene->lights,
+                    {},
+                    &coveredTiles},
                    radiance());
     blendLayer(levers.layerScale);
     if (post) post->recordLens(rec, picture(from), levers, radiance());
@@ -180,14 +197,16 @@ gpu::FrameTimes Frame::finish() {
 }
 
 PostPicture Frame::picture(const visibility::CompactRecord* from) const {
-    return {.scene = *scene,
-            .view = viewBuffer,
-            .ids = ids(),
-            .surfaces = surfaces,
-            .record = from,
-            .expand = rebuilding ? &rebuilding->expand : nullptr,
-            .focus = focus,
-            .supersample = static_cast<float>(options.supersample)};
+    return {
+        .scene = *scene,
+        .view = viewBuffer,
+        .ids = ids(),
+        .surfaces = surfaces,
+        .record = from,
+        .expand = rebuilding ? &rebuilding->expand : nullptr,
+        .focus = focus,
+        .pixelAspect = aspect * static_cast<float>(live.height) / static_cast<float>(live.width),
+        .supersample = static_cast<float>(options.supersample)};
 }
 
 /// From the radiance on grid O to the picture.
@@ -245,12 +264,26 @@ void Frame::shadeOnGridS(float rate) {
                    onS(whole->radiance));
     // Conventional resizing has no guides and needs no depth and normal of O.
     const bool guided = upsample.guided();
-    if (guided || layer) whole->guides.record(rec, *scene, {this->ids(), viewBuffer}, surfaces);
+    if (guided) shadeBackground();
+    if (guided || layer)
+        whole->guides.record(
+            rec, *scene,
+            {.ids = this->ids(), .view = viewBuffer, .tiles = guided ? &coveredTiles : nullptr},
+            surfaces);
     rec.barrier(Stage::compute, Stage::compute);
     whole->pack.record(rec, {onS(whole->radiance), surface.depth, surface.normal}, coarseImage);
     rec.barrier(Stage::compute, Stage::compute);
-    upsample.record(rec, {coarseImage, depth(), surfaces.normal, size, rate}, options.sigmas,
-                    radiance());
+    upsample.record(
+        rec, {coarseImage, depth(), surfaces.normal, size, rate, guided ? &coveredTiles : nullptr},
+        options.sigmas, radiance());
+}
+
+/// Finds the tiles of O that show something, and is done with the others.
+void Frame::shadeBackground() {
+    listTiles.record(rec, ids(), coveredTiles, emptyTiles);
+    background.record(rec, {viewBuffer, lightBuffer, skyImage, emptyTiles},
+                      {depth(), terms(), radiance()});
+    rec.barrier(Stage::compute, Stage::compute);
 }
 
 void Frame::reset() {
@@ -302,7 +335,8 @@ void Frame::evaluateTerms(const budget::Levers& levers) {
                                          .skyMaps = lightMaps.skyMaps(),
                                          .view = viewBuffer,
                                          .light = lightBuffer,
-                                         .packing = options.packing};
+                                         .packing = options.packing,
+                                         .tiles = &coveredTiles};
     const bool repairing = levers.repair > 0;
     refines = false;
     if (repairing) upsample::RepairSelect::clear(rec, repairList);
@@ -323,7 +357,7 @@ void Frame::evaluateTerms(const budget::Levers& levers) {
         rec.barrier(Stage::compute, Stage::compute);
         upsample.record(rec,
                         {coarseImage, depth(), surfaces.normal,
-                         shading::coarseExtent(live, group.rate), group.rate},
+                         shading::coarseExtent(live, group.rate), group.rate, &coveredTiles},
                         options.sigmas, termImage,
                         {.channels = mask,
                          .repair = lists ? &repairList : nullptr,
@@ -349,7 +383,8 @@ void Frame::evaluateOnGridS(const shading::Coarse::Inputs& inputs, shading::Coar
 }
 
 void Frame::setShadowTaps(std::uint32_t taps) {
-    if (taps < 1 || taps > 64) throw std::invalid_argument("Frame::setShadowTaps: 1 … 64");
+    if (taps < 1 || taps > shared::LS_MAX_SHADOW_TAPS)
+        throw std::invalid_argument("Frame::setShadowTaps: 1 … 128");
     if (options.shadowTaps > 0) options.shadowTaps = taps;
 }
 

@@ -20,6 +20,7 @@
 #include <lodestar/scale/spatial.hpp>
 #include <lodestar/scale/temporal.hpp>
 #include <lodestar/scene/camera.hpp>
+#include <lodestar/shading/background.hpp>
 #include <lodestar/shading/coarse.hpp>
 #include <lodestar/shading/combine.hpp>
 #include <lodestar/shading/sky.hpp>
@@ -27,6 +28,7 @@
 #include <lodestar/upsample/upsample.hpp>
 #include <lodestar/visibility/expand.hpp>
 #include <lodestar/visibility/fragments.hpp>
+#include <lodestar/visibility/list_tiles.hpp>
 #include <lodestar/visibility/rebuild.hpp>
 #include <lodestar/visibility/sample_grid.hpp>
 
@@ -38,9 +40,9 @@ struct PostPicture;
 /// What stays the same from frame to frame. What a budget may change is in budget::Levers.
 struct FrameSettings {
     vk::Extent2D size{1280, 720};
-    /// Largest Levers::renderScale: targets are made for it (or for 1) once, and smaller scales use
-    /// a part of them. At most 2.
-    float maxScale = 1;
+    /// Largest Levers::renderScale of each axis: targets are made for it (or for 1) once, and
+    /// smaller scales use a part of them. At most 2.
+    budget::AxisScale maxScale = 1;
     scale::SpatialOptions scaling;  ///< how a frame of another scale becomes one of `size`
     glm::vec3 toSun{0.5f, 0.8f, 0.35f};
     std::uint32_t shadowTaps = 9;        ///< N of the N×N PCF; 0 = no shadow
@@ -131,7 +133,7 @@ public:
     /// Blended surfaces of the last frame, one behind the other, that were shaded.
     std::uint32_t blendedFragments() const { return layer ? layer->fragmentCount() : 0; }
     /// N of the sun's filter from the next frame on, where there is a shadow: a change of load.
-    /// Throws std::invalid_argument outside 1 … 64.
+    /// Throws std::invalid_argument outside 1 … 128.
     void setShadowTaps(std::uint32_t taps);
     const geometry::DrawList& drawList() const { return samples ? samples->drawList() : eyeList; }
     /// Forgets the last picture, which is otherwise used to guess what hides what.
@@ -158,6 +160,7 @@ private:
     void evaluateOnGridS(const shading::Coarse::Inputs&, shading::Coarse::Mask, float rate,
                          float localRate);
     void shadeOnGridS(float rate);
+    void shadeBackground();
     /// Sets the exposure by the last frame's radiance.
     void meter();
     glm::mat4 clipFromWorld(const scene::Camera&) const;
@@ -200,7 +203,7 @@ private:
     vk::Extent2D room;    ///< of the targets
     vk::Extent2D live;    ///< the part of them that is grid O of this frame
     glm::vec2 jitter{0};  ///< of this frame [NDC]
-    float textureScale = 1;
+    glm::vec2 textureScale{1};
     float focus = 1;  ///< distance of what the camera looks at
     shading::Sky sky;
     std::array<glm::vec3, 9> irradiance;  ///< of the sky
@@ -212,7 +215,9 @@ private:
     geometry::Cull cull;
     geometry::ShowLods showLods;
     EyeCapture capture;
+    visibility::ListTiles listTiles;
     visibility::Rebuild rebuildPass;
+    shading::Background background;
     shading::Coarse coarse;
     upsample::Upsample upsample;
     upsample::Refine refine;
@@ -224,6 +229,7 @@ private:
     geometry::DrawList eyeList;
     geometry::HiZ hiz;
     LightMaps lightMaps;
+    gpu::TileList coveredTiles, emptyTiles;  ///< of grid O
     upsample::RepairList repairList;
     upsample::RefineList refineList;
     bool listHolds = false;  ///< whether the last frame filled the list

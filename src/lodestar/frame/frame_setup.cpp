@@ -63,9 +63,10 @@ geometry::LodChoice lightLods(const geometry::LodChoice& eye) {
 const FrameSettings& checked(const FrameSettings& s) {
     if (s.size.width < 1 || s.size.height < 1 || s.size.width > 16384 || s.size.height > 16384)
         throw std::invalid_argument("FrameSettings::size must be 1 … 16384 pixels a side");
-    if (!(s.maxScale >= kLeastScale && s.maxScale <= kMostScale))
+    if (!isRenderScale(s.maxScale, kMostScale))
         throw std::invalid_argument("FrameSettings::maxScale must be 0.5 … 2");
-    if (s.shadowTaps > 64) throw std::invalid_argument("FrameSettings::shadowTaps must be ≤ 64");
+    if (s.shadowTaps > shared::LS_MAX_SHADOW_TAPS)
+        throw std::invalid_argument("FrameSettings::shadowTaps must be ≤ 128");
     if (s.shadowMapSize < 16 || s.shadowMapSize > 16384)
         throw std::invalid_argument("FrameSettings::shadowMapSize must be 16 … 16384");
     if (s.noiseOctaves > 12)
@@ -92,7 +93,7 @@ const FrameSettings& checked(const FrameSettings& s) {
             "FrameSettings::supersample must be 1 … 4, and O ≤ 16384 a side");
     if (s.supersample > 1 && s.showLods)
         throw std::invalid_argument("FrameSettings::showLods: not with supersample");
-    if (s.captureSide > 1 && (s.supersample > 1 || s.maxScale > 1 || s.motion ||
+    if (s.captureSide > 1 && (s.supersample > 1 || s.maxScale.largest() > 1 || s.motion ||
                               s.temporal.mode != scale::TemporalMode::off))
         throw std::invalid_argument(
             "FrameSettings::captureSide: not with supersample, maxScale, motion or temporal");
@@ -128,7 +129,7 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
     : device(&owner),
       scene(&gpuScene),
       options(s),
-      room(scaled(s.size, std::max(s.maxScale, 1.0f))),
+      room(scaled(s.size, s.maxScale.atLeast(1))),
       live(s.size),
       sky(sunDirection(gpuScene, s)),
       irradiance(sky.irradiance()),
@@ -138,7 +139,9 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       cull(owner),
       showLods(owner),
       capture(owner, gpuScene, room, s.captureSide > 1 ? CaptureBackend::automatic : s.capture),
+      listTiles(owner),
       rebuildPass(owner, gpuScene.features()),
+      background(owner),
       coarse(owner),
       upsample(owner, s.reconstruct),
       refine(owner),
@@ -156,6 +159,8 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
                  .shadows = s.shadowTaps > 0,
                  .shadowDistance = s.shadowDistance,
                  .lod = lightLods(s.lod)}),
+      coveredTiles(owner, room, "covered tiles"),
+      emptyTiles(owner, room, "empty tiles"),
       repairList(owner, room),
       refineList(owner, room),
       viewBuffer(owner, "view", sizeof(shared::ViewParams), gpu::Residence::mapped),

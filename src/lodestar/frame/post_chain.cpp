@@ -188,9 +188,10 @@ void PostChain::recordDof(gpu::Recorder& rec, const PostPicture& p, std::uint32_
         options.sharp = 0.05f * options.focus;
         options.full = 0.6f * options.focus;
     }
-    dof->pass.record(
-        rec, {part(p.surfaces.depth, p.ids.extent), gridOf(p, rate).grid, settings.bilateral},
-        options, radiance);
+    dof->pass.record(rec,
+                     {part(p.surfaces.depth, p.ids.extent), gridOf(p, rate).grid,
+                      settings.bilateral, p.pixelAspect},
+                     options, radiance);
     rec.barrier(Stage::compute, Stage::compute);
 }
 

@@ -26,6 +26,7 @@ struct PostPicture {
     const visibility::CompactRecord* record = nullptr;
     const visibility::Expand* expand = nullptr;
     float focus = 1;        ///< distance of what the camera looks at
+    float pixelAspect = 1;  ///< width of a pixel of O, as shown, over its height
     float supersample = 1;  ///< pixels of O along an axis that become one: rates count from it
 };
 

@@ -44,6 +44,8 @@ Recorder::Recorder(const Device& device)
            vk::CommandPoolCreateInfo{.flags = vk::CommandPoolCreateFlagBits::eResetCommandBuffer,
                                      .queueFamilyIndex = device.queueFamily()}),
       fence(device.vk(), vk::FenceCreateInfo{}),
+      allTiles(makeTexelBuffer(device, "all tiles", std::vector{~std::uint32_t{0}},
+                               vk::Format::eR32Uint)),
       flushesLate(device.description().type == "Cpu") {
     vk::raii::CommandBuffers buffers(
         device.vk(),

@@ -6,6 +6,7 @@
 
 #include <lodestar/gpu/kernel.hpp>
 #include <lodestar/gpu/raster.hpp>
+#include <lodestar/gpu/tiles.hpp>
 
 namespace lodestar::gpu {
 
@@ -25,6 +26,11 @@ struct FrameTimes {
     /// Adds what was done before this.
     void precede(const FrameTimes& before);
 };
+
+/// Workgroups of `local` threads that cover `size` threads.
+inline std::uint32_t groups(std::uint32_t size, std::uint32_t local) {
+    return (size + local - 1) / local;
+}
 
 /// Records one frame at a time: passes with a debug label and a GPU timestamp each, dispatches,
 /// draws, barriers. One frame in flight: submit() waits.
@@ -88,6 +94,19 @@ public:
         dispatchIndirect(kernel, groups, 0, bindings);
     }
 
+    /// Over the 8×8 tiles of a grid, or over those of `tiles` alone, visible to indirect. The
+    /// kernel has one binding more than `bindings`, a texel buffer, and its shader takes pixels
+    /// from it with tiles.glsl.
+    template <typename Params>
+    void dispatchTiles(const Kernel& kernel, vk::Extent2D grid, const TileList* tiles,
+                       std::vector<Binding> bindings, const Params& params) {
+        bindings.emplace_back(tiles ? tiles->tiles : allTiles);
+        if (tiles)
+            dispatchIndirect(kernel, tiles->groups, bindings, params);
+        else
+            dispatch(kernel, {groups(grid.width, 8), groups(grid.height, 8), 1}, bindings, params);
+    }
+
     struct Target {
         std::vector<View> colors;  ///< cleared to 0
         View depth;                ///< cleared to 0, the far end of reversed depth
@@ -129,16 +148,13 @@ private:
     vk::raii::CommandBuffer commands{nullptr};
     vk::raii::Fence fence;
     vk::raii::QueryPool queries{nullptr};
+    TexelBuffer allTiles;  ///< says that there is no list
     std::vector<std::string> names;
     std::uint32_t queryCount = 0;
     bool passOpen = false;
     bool flushesLate = false;
 };
 
-/// Workgroups of `local` threads that cover `size` threads.
-inline std::uint32_t groups(std::uint32_t size, std::uint32_t local) {
-    return (size + local - 1) / local;
-}
 /// 8×8 workgroups over an image.
 inline vk::Extent3D groups8x8(vk::Extent2D extent) {
     return {groups(extent.width, 8), groups(extent.height, 8), 1};

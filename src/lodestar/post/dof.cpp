@@ -97,10 +97,10 @@ void Dof::recordDown(gpu::Recorder& rec, const Inputs& in, const shared::DofPara
 
 /// Each of the blurred pictures is made of the one before, and of half its size where its blur
 /// hides that: `careful`, as REF does and where B is O, well so, and the first is of the size of B.
-std::array<Dof::Blur, 3> Dof::plan(float sigma, bool careful) {
+Dof::Plan Dof::plan(float sigma, bool careful) {
     constexpr float kNone = 0.3f;     // a blur that gives the next texel under 1/200
     constexpr float kOfGrid = 0.25f;  // σ² of a texel's footprint and of the way back to grid O
-    std::array<Blur, 3> plans;
+    Plan plans;
     float had = kOfGrid;
     std::uint32_t texel = 1;  // of what is read, in texels of B
     for (std::size_t i = 0; i < plans.size(); ++i) {
@@ -121,35 +121,34 @@ std::array<Dof::Blur, 3> Dof::plan(float sigma, bool careful) {
     return plans;
 }
 
-std::array<gpu::View, 3> Dof::recordBlur(gpu::Recorder& rec, vk::Extent2D size,
-                                         const std::array<Blur, 3>& plans) const {
+std::array<gpu::View, 3> Dof::recordBlur(gpu::Recorder& rec, vk::Extent2D size, const Plan& x,
+                                         const Plan& y) const {
     std::array<gpu::View, 3> made;
     gpu::View from = sharp;
     vk::Extent2D fromSize = size;
     for (std::size_t i = 0; i < levels.size(); ++i) {
-        const auto [sigma, step, texel] = plans[i];
-        if (sigma == 0) {
+        if (x[i].sigma == 0 && y[i].sigma == 0) {
             made[i] = from;
             continue;
         }
-        const auto reach = static_cast<std::uint32_t>(std::ceil(2.5f * sigma));
-        const float falloff = 1.44269504f / (2 * sigma * sigma);
-        const vk::Extent2D across{gpu::groups(fromSize.width, step), fromSize.height};
-        const vk::Extent2D to{across.width, gpu::groups(fromSize.height, step)};
-        const auto along = [&](vk::Extent2D wide, vk::Extent2D read, glm::uvec2 axis) {
-            return shared::DofBlurParams{.size = {wide.width, wide.height},
-                                         .fromSize = {read.width, read.height},
-                                         .axis = axis,
-                                         .step = step,
-                                         .reach = reach,
-                                         .falloff = falloff};
+        const vk::Extent2D across{gpu::groups(fromSize.width, x[i].step), fromSize.height};
+        const vk::Extent2D to{across.width, gpu::groups(fromSize.height, y[i].step)};
+        const auto along = [](vk::Extent2D wide, vk::Extent2D read, glm::uvec2 axis, Blur by) {
+            const float square = by.sigma * by.sigma;  // 0: the texel alone
+            return shared::DofBlurParams{
+                .size = {wide.width, wide.height},
+                .fromSize = {read.width, read.height},
+                .axis = axis,
+                .step = by.step,
+                .reach = static_cast<std::uint32_t>(std::ceil(2.5f * by.sigma)),
+                .falloff = square > 0 ? 1.44269504f / (2 * square) : 0};
         };
         rec.dispatch(blur, gpu::groups8x8(across), {{from, pointSampler}, levels[i].across},
-                     along(across, fromSize, {1, 0}));
+                     along(across, fromSize, {1, 0}, x[i]));
         rec.barrier(Stage::compute, Stage::compute);
         rec.dispatch(blur, gpu::groups8x8(to),
                      {{levels[i].across, pointSampler}, levels[i].blurred},
-                     along(to, across, {0, 1}));
+                     along(to, across, {0, 1}, y[i]));
         rec.barrier(Stage::compute, Stage::compute);
         made[i] = from = levels[i].blurred;
         fromSize = to;
@@ -163,6 +162,7 @@ void Dof::record(gpu::Recorder& rec, const Inputs& in, const DofOptions& o, gpu:
             "DofOptions::full must be > sharp ≥ 0");
     require(o.degree >= 0 && std::isfinite(o.degree), "DofOptions::degree must be ≥ 0");
     require(o.radius > 0 && o.radius <= 0.1f, "DofOptions::radius must be 0 … 0.1");
+    require(in.pixelAspect > 0 && std::isfinite(in.pixelAspect), "Dof: pixelAspect must be > 0");
     const float rate = in.grid.rate.x;
     const bool downsamples = !halves.empty() && rate != 1;
     require(!downsamples || rate == 2 || rate == 4 || rate == 8,
@@ -173,10 +173,12 @@ void Dof::record(gpu::Recorder& rec, const Inputs& in, const DofOptions& o, gpu:
                              .slope = o.degree / (o.full - o.sharp),
                              .thesis = o.formula == CocFormula::thesis,
                              .cocFalloff = in.bilateral ? kCocFalloff : 0};
-    const auto plans =
-        plan(o.radius * static_cast<float>(in.grid.fullSize.y) / (2 * in.grid.rate.y),
-             downsamples || rate <= 1);
-    params.steps = {plans[0].texel, plans[1].texel, plans[2].texel};
+    const float sigma = o.radius * static_cast<float>(in.grid.fullSize.y) / 2;
+    const bool careful = downsamples || rate <= 1;
+    const Plan x = plan(sigma / (in.pixelAspect * in.grid.rate.x), careful),
+               y = plan(sigma / in.grid.rate.y, careful);
+    params.stepsX = {x[0].texel, x[1].texel, x[2].texel};
+    params.stepsY = {y[0].texel, y[1].texel, y[2].texel};
     const vk::Extent2D size{in.grid.size.x, in.grid.size.y};
     const vk::Extent3D groups = gpu::groups8x8(size);
     const gpu::View blurred = levels[0].across;  // no longer needed by then
@@ -190,7 +192,7 @@ void Dof::record(gpu::Recorder& rec, const Inputs& in, const DofOptions& o, gpu:
         rec.dispatch(downsamples ? layersOfDown : layers, groups,
                      {{from, pointSampler}, {in.depth, pointSampler}, cocs, sharp}, params);
         rec.barrier(Stage::compute, Stage::compute);
-        const auto pictures = recordBlur(rec, size, plans);
+        const auto pictures = recordBlur(rec, size, x, y);
         rec.dispatch(resolve, groups,
                      {{cocs, pointSampler},
                       {pictures[0], pointSampler},

@@ -24,6 +24,7 @@ public:
         gpu::View depth;  ///< grid O, R32_SFLOAT: linear view depth, 0 = background
         shared::EffectiveGrid grid;
         bool bilateral = true;  ///< texels of another blur than the pixel count next to nothing
+        float pixelAspect = 1;  ///< width of a pixel of O, as shown, over its height
     };
     /// Blurs `color` (grid O, RGBA16_SFLOAT, storage and sampled) in place; its alpha stays.
     /// Nothing outside the grids is read. Passes "dof" (on B, with what is downsampled) and "dof
@@ -41,10 +42,11 @@ private:
         std::uint32_t step = 1;   // of those for one that is written
         std::uint32_t texel = 1;  // texels of B for one that is written
     };
-    static std::array<Blur, 3> plan(float sigma, bool careful);
+    using Plan = std::array<Blur, 3>;  // along one axis
+    static Plan plan(float sigma, bool careful);
     /// Returns the three pictures.
-    std::array<gpu::View, 3> recordBlur(gpu::Recorder&, vk::Extent2D size,
-                                        const std::array<Blur, 3>&) const;
+    std::array<gpu::View, 3> recordBlur(gpu::Recorder&, vk::Extent2D size, const Plan& x,
+                                        const Plan& y) const;
 
     vk::raii::Sampler pointSampler;
     gpu::Kernel layers, layersOfDown, down, blur, resolve, combine;

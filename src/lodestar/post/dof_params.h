@@ -10,7 +10,8 @@ struct DofParams {
     float slope;         // d / (m − n)
     uint thesis;         // 1: what is before the focus stays sharp
     float cocFalloff;    // of the bilateral filter, log2(e) / (2 σ²); 0 = linear
-    uvec3 steps;         // texels of B a side for one of each of the three blurred pictures
+    // Texels of B along x and along y for one of each of the three blurred pictures.
+    uvec3 stepsX, stepsY;
 };
 
 /// A Gaussian along one axis, and a step to half the size.

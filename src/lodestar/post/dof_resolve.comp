@@ -12,11 +12,11 @@ layout(binding = 3) uniform usampler2D largest;
 layout(binding = 4, rgba32ui) writeonly uniform uimage2D outBlurred;  // see dof_combine.comp
 layout(push_constant, scalar) uniform Push { DofParams params; };
 
-Layers bilinear(usampler2D layers, ivec2 texel, uint step) {
-    const vec2 at = (vec2(texel) + 0.5) / float(step) - 0.5, base = floor(at), f = at - base;
+Layers bilinear(usampler2D layers, ivec2 texel, uvec2 step) {
+    const vec2 at = (vec2(texel) + 0.5) / vec2(step) - 0.5, base = floor(at), f = at - base;
     const ivec2 last = ivec2((params.grid.size + step - 1) / step) - 1;
     Layers sum = Layers(vec4(0), vec3(0), vec2(0));
-    const int taps = step > 1 ? 4 : 1;  // of one size with B it is the texel
+    const int taps = any(greaterThan(step, uvec2(1))) ? 4 : 1;  // of one size with B it is the texel
     for (int i = 0; i < taps; ++i) {
         const ivec2 o = ivec2(i & 1, i >> 1);
         const ivec2 tap = clamp(ivec2(base) + o, ivec2(0), last);
@@ -29,9 +29,9 @@ Layers bilinear(usampler2D layers, ivec2 texel, uint step) {
 void main() {
     const ivec2 texel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(texel, ivec2(params.grid.size)))) return;
-    const Layers a = bilinear(small, texel, params.steps.x),
-                 b = bilinear(middle, texel, params.steps.y),
-                 c = bilinear(largest, texel, params.steps.z);
+    const Layers a = bilinear(small, texel, uvec2(params.stepsX.x, params.stepsY.x)),
+                 b = bilinear(middle, texel, uvec2(params.stepsX.y, params.stepsY.y)),
+                 c = bilinear(largest, texel, uvec2(params.stepsX.z, params.stepsY.z));
 
     // Between the three by the circle of confusion: from sharp to the first, dof_combine goes. The
     // foreground's is the mean of that around, since it blurs over its edge; behind it, what is

@@ -32,10 +32,12 @@ vec2 noiseAt(uvec2 pixel) {
 vec3 bicubicAt(vec2 at) {
     const vec2 base = floor(at - 0.5) + 0.5;
     const vec2 f = at - base, g = 1 - f;
-    const vec2 w0 = g * g * g / 6, w3 = f * f * f / 6;
-    const vec2 w1 = 2.0 / 3 - f * f * (1 - 0.5 * f);
+    // An axis of the same size as the output's stays as it is.
+    const bvec2 same = equal(params.step, vec2(1));
+    const vec2 w0 = mix(g * g * g / 6, vec2(0), same), w3 = mix(f * f * f / 6, vec2(0), same);
+    const vec2 w1 = mix(2.0 / 3 - f * f * (1 - 0.5 * f), vec2(1), same);
     const vec2 low = w0 + w1, high = 1 - low;
-    const vec2 from = base - 1 + w1 / low, to = base + 1 + w3 / high;
+    const vec2 from = base - 1 + w1 / low, to = base + 1 + w3 / max(high, 1e-6);
     const vec3 top = mix(linearAt(to), linearAt(vec2(from.x, to.y)), low.x);
     const vec3 bottom = mix(linearAt(vec2(to.x, from.y)), linearAt(from), low.x);
     return mix(top, bottom, low.y);

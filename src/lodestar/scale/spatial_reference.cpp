@@ -28,14 +28,18 @@ double spline(double x) {
     return x < 2 ? (2 - x) * (2 - x) * (2 - x) / 6 : 0;
 }
 
-dvec3 bicubicAt(const Picture& picture, dvec2 at) {
+/// An axis that is `same` is of the output's size, and stays as it is.
+dvec3 bicubicAt(const Picture& picture, dvec2 at, glm::bvec2 same) {
     const ivec2 first(floor(at - 0.5));
+    const auto weight = [](double x, bool exact) {
+        return exact ? double(std::abs(x) < 0.5) : spline(x);
+    };
     dvec3 sum(0);
     for (int y = -1; y <= 2; ++y)
         for (int x = -1; x <= 2; ++x) {
             const ivec2 texel = first + ivec2(x, y);
             const dvec2 to = at - (dvec2(texel) + 0.5);
-            sum += spline(to.x) * spline(to.y) * picture.at(texel);
+            sum += weight(to.x, same.x) * weight(to.y, same.y) * picture.at(texel);
         }
     return sum;
 }
@@ -77,8 +81,9 @@ Picture scale(const Picture& source, ivec2 size, Filter filter) {
     for (int y = 0; y < size.y; ++y)
         for (int x = 0; x < size.x; ++x) {
             const dvec2 at = (dvec2(x, y) + 0.5) * dvec2(source.size) / dvec2(size);
-            out.texels.push_back(filter == Filter::point          ? source.at(ivec2(at))
-                                 : filter == Filter::bicubic      ? bicubicAt(source, at)
+            out.texels.push_back(filter == Filter::point ? source.at(ivec2(at))
+                                 : filter == Filter::bicubic
+                                     ? bicubicAt(source, at, glm::equal(source.size, size))
                                  : filter == Filter::edgeAdaptive ? edgeAdaptiveAt(source, at)
                                                                   : linearAt(source, at));
         }

@@ -97,9 +97,11 @@ glm::vec2 jitterOf(TemporalMode mode, std::uint32_t index) {
     return {part(3064188577u), part(3500413139u)};
 }
 
-float textureScaleOf(TemporalMode mode, float scale) {
-    if (mode == TemporalMode::off) return 1;
-    return mode == TemporalMode::source ? std::exp2(-0.5f) : std::min(scale, 1.0f);
+glm::vec2 textureScaleOf(TemporalMode mode, budget::AxisScale scale) {
+    if (mode == TemporalMode::off) return glm::vec2(1);
+    if (mode == TemporalMode::source) return glm::vec2(std::exp2(-0.5f));
+    const budget::AxisScale bias = scale.atMost(1);
+    return {bias.x, bias.y};
 }
 
 Temporal::Temporal(const gpu::Device& device, vk::Extent2D room, vk::Extent2D outSize,

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include <lodestar/budget/levers.hpp>
 #include <lodestar/gpu/recorder.hpp>
 
 namespace lodestar::scale {
@@ -34,9 +35,10 @@ struct TemporalOptions {
 /// Where frame `index` has its samples, relative to the centres of texels [texels]: to be added to
 /// the projection.
 glm::vec2 jitterOf(TemporalMode, std::uint32_t index);
-/// What texture gradients are multiplied by, so that detail is there for the frames to gather: a
-/// LOD bias of −0.5 (source), or of log2 of the render scale, as of a picture of the output's size.
-float textureScaleOf(TemporalMode, float scale);
+/// What texture gradients along x and y are multiplied by, so that detail is there for the frames
+/// to gather: a LOD bias of −0.5 (source), or of log2 of the render scale, as of a picture of the
+/// output's size.
+glm::vec2 textureScaleOf(TemporalMode, budget::AxisScale scale);
 
 /// Joins the pictures of a sequence, each of any scale, to pictures of one size. Owns the history,
 /// which has the output's size, so it is kept when the scale changes.

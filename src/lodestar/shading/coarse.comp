@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
+#include "../shared/tiles.glsl"
 #include "../upsample/coarse_texel.glsl"
 #include "coarse_terms.glsl"
 
@@ -14,6 +15,7 @@ layout(constant_id = 2) const uint kPoints = 0;    // 1: at `points`, not at the
 layout(binding = 11, rgba32ui) writeonly uniform uimage2D outCoarse;
 layout(binding = 11, rgba16f) uniform image2D outTerms;
 layout(binding = 12) uniform sampler2D points;  // NDC
+layout(binding = 13) uniform usamplerBuffer tiles;
 layout(push_constant, scalar) uniform Push { CoarseParams params; };
 
 void write(ivec2 texel, vec4 terms, vec3 viewNormal, float depth) {
@@ -30,7 +32,7 @@ void write(ivec2 texel, vec4 terms, vec3 viewNormal, float depth) {
 }
 
 void main() {
-    const ivec2 texel = ivec2(gl_GlobalInvocationID.xy) * int(params.step);
+    const ivec2 texel = pixelOfThread(tiles) * int(params.step);
     if (any(greaterThanEqual(texel, ivec2(params.size)))) return;
     // The triangle is that of the O pixel under the texel's centre; its plane is then met exactly
     // at the centre, so that the grid is regular at any r.

@@ -27,7 +27,7 @@ const std::vector<gpu::SlotArray> kInputSlots{Slot::uniformBuffer, Slot::uniform
 gpu::Kernel makeKernel(const gpu::Device& device, const char* name, bool full, bool merge,
                        bool points) {
     auto slots = kInputSlots;
-    slots.push_back(Slot::sampledImage);
+    slots.insert(slots.end(), {Slot::sampledImage, Slot::texelBuffer});
     return {device,
             name,
             kCode,
@@ -93,10 +93,9 @@ void Coarse::record(gpu::Recorder& rec, const scene::GpuScene& scene, const Inpu
                     float rate, gpu::View out, std::uint32_t step) const {
     const auto pass = rec.pass("terms");
     const vk::Extent2D size = coarseExtent(in.ids.extent, rate);
-    rec.dispatch(coarse,
-                 gpu::groups8x8({gpu::groups(size.width, step), gpu::groups(size.height, step)}),
-                 scene::withScene(scene, withPoints(in, pointSampler, out, noPoints)),
-                 paramsOf(in, rate, terms, step));
+    rec.dispatchTiles(coarse, {gpu::groups(size.width, step), gpu::groups(size.height, step)},
+                      nullptr, scene::withScene(scene, withPoints(in, pointSampler, out, noPoints)),
+                      paramsOf(in, rate, terms, step));
 }
 
 void Coarse::recordListed(gpu::Recorder& rec, const scene::GpuScene& scene, const Inputs& in,
@@ -117,9 +116,9 @@ void Coarse::recordFull(gpu::Recorder& rec, const scene::GpuScene& scene, const 
     const gpu::Kernel& kernel = in.points                       ? fullPoints
                                 : terms == shared::LS_ALL_TERMS ? full
                                                                 : fullMerge;
-    rec.dispatch(kernel, gpu::groups8x8(in.ids.extent),
-                 scene::withScene(scene, withPoints(in, pointSampler, out, noPoints)),
-                 paramsOf(in, 1, terms));
+    rec.dispatchTiles(kernel, in.ids.extent, in.tiles,
+                      scene::withScene(scene, withPoints(in, pointSampler, out, noPoints)),
+                      paramsOf(in, 1, terms));
 }
 
 void Coarse::recordRepair(gpu::Recorder& rec, const scene::GpuScene& scene, const Inputs& in,

@@ -32,6 +32,7 @@ public:
         /// the centres of pixels
         std::optional<gpu::View> points = {};
         upsample::Packing packing = upsample::Packing::full;  ///< of texels of S
+        const gpu::TileList* tiles = nullptr;  ///< of `ids`, for recordFull; none: all
     };
     /// Which of the terms: bits LS_TERM_…
     using Mask = std::uint32_t;

@@ -21,5 +21,9 @@ struct CoarseParams {
     uint step;       // texels of S from one that is evaluated to the next
 };
 
+#ifndef __cplusplus
+const vec4 kTermsOfBackground = vec4(1, 1, 0.5, 0);
+#endif
+
 LS_NAMESPACE_END
 #endif

@@ -67,6 +67,4 @@ vec2 centreOf(ivec2 texel, CoarseParams params) {
     return min((vec2(texel) + 0.5) * params.rate, vec2(params.fullSize) - 0.5);
 }
 
-const vec4 kTermsOfBackground = vec4(1, 1, 0.5, 0);
-
 #endif

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
+#include "../shared/tiles.glsl"
 #include "../visibility/view_params.h"
 #include "../scene/gpu_types.h"
 #include "brdf.glsl"
@@ -23,6 +24,7 @@ layout(binding = 6) uniform sampler2D sky;
 layout(binding = 7, scalar) readonly buffer Lights { GpuLight lights[]; };
 layout(binding = 8, rgba16f) writeonly uniform image2D outRadiance;
 layout(binding = 9) uniform sampler2D points;  // NDC
+layout(binding = 10) uniform usamplerBuffer tiles;
 layout(push_constant, scalar) uniform Push { CombineParams params; };
 
 layout(constant_id = 2) const uint kPunctualLights = 1;
@@ -31,12 +33,6 @@ layout(constant_id = 3) const uint kPoints = 0;  // 1: at `points`, not at the c
 // Share of the sky's light that comes from where the sky is hidden: the albedo of walls that see
 // the sky themselves.
 const float kBounced = 0.3;
-const float kSunCosine = 0.99996;  // half of its half-degree disc
-
-vec3 sunDisc(vec3 direction) {
-    const float disc = smoothstep(kSunCosine - 2e-5, kSunCosine, dot(direction, light.toSun));
-    return disc * 40 * light.sunIlluminance;
-}
 
 /// What the procedural pattern does to the albedo.
 float veins(float pattern) {
@@ -67,12 +63,12 @@ vec3 punctual(Surface s, vec3 position) {
 }
 
 void main() {
-    const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    const ivec2 pixel = pixelOfThread(tiles);
     if (any(greaterThanEqual(pixel, ivec2(params.size)))) return;
 
     const vec2 ndc = kPoints != 0 ? texelFetch(points, pixel, 0).xy
                                   : (vec2(pixel) + 0.5) / vec2(params.size) * 2 - 1;
-    const vec3 ray = transpose(mat3(view.viewFromWorld)) * vec3((ndc - view.jitter) / view.clipScale, -1);
+    const vec3 ray = rayThrough(view, ndc);
     const vec3 direction = normalize(ray);
     const float depth = texelFetch(surfaceDepth, pixel, 0).x;
     const uvec4 material = texelFetch(surfaceMaterial, pixel, 0);
@@ -90,7 +86,7 @@ void main() {
     const vec3 seen =
         skyRadiance(sky, light.skyLevels, seenAt, hit ? s.perceptualRoughness : 0);
     if (!hit) {
-        imageStore(outRadiance, pixel, vec4(seen + sunDisc(direction), 1));
+        imageStore(outRadiance, pixel, vec4(seen + sunDisc(direction, light.toSun, light.sunIlluminance), 1));
         return;
     }
 

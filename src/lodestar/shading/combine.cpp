@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <lodestar/shading/combine_params.h>
 #include <lodestar/shading/combine.hpp>
+#include <lodestar/shading/sky_sampler.hpp>
 
 namespace lodestar::shading {
 namespace {
@@ -11,16 +12,6 @@ constexpr std::uint32_t kCode[] =
 
 using gpu::Slot;
 
-vk::raii::Sampler makeSkySampler(const gpu::Device& device) {
-    constexpr auto kClamp = vk::SamplerAddressMode::eClampToEdge;
-    return {device.vk(), vk::SamplerCreateInfo{.magFilter = vk::Filter::eLinear,
-                                               .minFilter = vk::Filter::eLinear,
-                                               .mipmapMode = vk::SamplerMipmapMode::eLinear,
-                                               .addressModeU = kClamp,
-                                               .addressModeV = kClamp,
-                                               .maxLod = VK_LOD_CLAMP_NONE}};
-}
-
 gpu::Kernel makeKernel(const gpu::Device& device, const scene::SceneFeatures& features,
                        bool points) {
     return {device,
@@ -28,7 +19,7 @@ gpu::Kernel makeKernel(const gpu::Device& device, const scene::SceneFeatures& fe
             kCode,
             {Slot::uniformBuffer, Slot::uniformBuffer, Slot::sampledImage, Slot::sampledImage,
              Slot::sampledImage, Slot::sampledImage, Slot::sampledImage, Slot::storageBuffer,
-             Slot::storageImage, Slot::sampledImage},
+             Slot::storageImage, Slot::sampledImage, Slot::texelBuffer},
             sizeof(shared::CombineParams),
             {features.emissive, features.unlit, features.punctualLights, points}};
 }
@@ -43,19 +34,19 @@ Combine::Combine(const gpu::Device& device, const scene::SceneFeatures& features
 
 void Combine::record(gpu::Recorder& rec, const Inputs& in, gpu::View radiance) const {
     const auto pass = rec.pass("combine");
-    rec.dispatch(in.points ? pointKernel : kernel, gpu::groups8x8(radiance.extent),
-                 {in.view,
-                  in.light,
-                  {in.depth, pointSampler},
-                  {in.material, pointSampler},
-                  {in.emissive, pointSampler},
-                  {in.terms, pointSampler},
-                  {in.sky, skySampler},
-                  in.lights,
-                  radiance,
-                  // Without points that binding is not read: any image of floats does.
-                  {in.points ? *in.points : in.depth, pointSampler}},
-                 shared::CombineParams{{radiance.extent.width, radiance.extent.height}});
+    rec.dispatchTiles(in.points ? pointKernel : kernel, radiance.extent, in.tiles,
+                      {in.view,
+                       in.light,
+                       {in.depth, pointSampler},
+                       {in.material, pointSampler},
+                       {in.emissive, pointSampler},
+                       {in.terms, pointSampler},
+                       {in.sky, skySampler},
+                       in.lights,
+                       radiance,
+                       // Without points that binding is not read: any image of floats does.
+                       {in.points ? *in.points : in.depth, pointSampler}},
+                      shared::CombineParams{{radiance.extent.width, radiance.extent.height}});
 }
 
 }  // namespace lodestar::shading

@@ -24,8 +24,10 @@ public:
         const gpu::Buffer& lights;  ///< shared::GpuLight
         /// RG32_SFLOAT: where each pixel is met, in NDC; none: at its centre
         std::optional<gpu::View> points = {};
+        const gpu::TileList* tiles = nullptr;  ///< of grid O; none: all
     };
-    /// Writes linear radiance to every texel in the extent of `radiance` (RGBA16_SFLOAT). Its alpha
+    /// Writes linear radiance to every texel in the extent of `radiance` (RGBA16_SFLOAT), and in
+    /// `tiles`. Its alpha
     /// is the share that Tonemap gives its curve: 1, but 0 for unlit materials, which show as
     /// authored.
     void record(gpu::Recorder&, const Inputs&, gpu::View radiance) const;

@@ -4,6 +4,7 @@
 #include "../shared/types.h"
 LS_NAMESPACE_BEGIN
 
+const uint LS_MAX_SHADOW_TAPS = 128u;  // N of the N×N PCF
 const uint LS_MAX_SKY_VIEWS = 16;
 
 /// How a parallel light sees the scene: an orthographic depth map, nearest to the light = 1.

@@ -3,6 +3,7 @@
 #define LS_SKY_GLSL
 #include "light_params.h"
 #include "../shared/octahedral.h"
+#include "../visibility/view_params.h"
 
 /// Irradiance of the sky on a surface facing `n`, from LightParams::irradiance (Ramamoorthi &
 /// Hanrahan 2001).
@@ -19,6 +20,17 @@ vec3 skyIrradiance(vec3 sh[9], vec3 n) {
 vec3 skyRadiance(sampler2D sky, uint levels, vec3 d, float roughness) {
     const vec2 uv = octahedralEncode(vec3(d.x, d.z, d.y)) * 0.5 + 0.5;
     return textureLod(sky, uv, roughness * float(levels - 1)).rgb;
+}
+
+const float kSunCosine = 0.99996;  // half of its half-degree disc
+
+vec3 sunDisc(vec3 direction, vec3 toSun, vec3 illuminance) {
+    return 40 * illuminance * smoothstep(kSunCosine - 2e-5, kSunCosine, dot(direction, toSun));
+}
+
+/// From the eye to what it sees there, of view depth 1.
+vec3 rayThrough(ViewParams view, vec2 ndc) {
+    return transpose(mat3(view.viewFromWorld)) * vec3((ndc - view.jitter) / view.clipScale, -1);
 }
 
 #endif

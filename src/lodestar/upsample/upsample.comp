@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
 #include "../shared/octahedral.h"
+#include "../shared/tiles.glsl"
 #include "coarse_texel.glsl"
 #include "upsample_params.h"
 
@@ -18,6 +19,7 @@ layout(binding = 2) uniform usampler2D normal;
 layout(binding = 3, rgba16f) uniform image2D terms;
 layout(binding = 4, scalar) buffer Header { RepairHeader repair; };
 layout(binding = 5, scalar) writeonly buffer List { uint listed[]; };
+layout(binding = 6) uniform usamplerBuffer tiles;
 layout(push_constant, scalar) uniform Push { UpsampleParams params; };
 
 const int kTaps = kDomain == LS_DOMAIN_NEAREST     ? 1
@@ -87,7 +89,7 @@ void write(ivec2 pixel, vec4 values) {
 }
 
 void main() {
-    const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    const ivec2 pixel = pixelOfThread(tiles);
     const ivec2 fullSize = ivec2(params.fullSize);
     if (any(greaterThanEqual(pixel, fullSize))) return;
 

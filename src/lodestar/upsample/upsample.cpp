@@ -48,7 +48,7 @@ gpu::Kernel makeKernel(const gpu::Device& device, Reconstruct kind, bool guided,
             "upsample",
             kCode,
             {Slot::sampledImage, Slot::sampledImage, Slot::sampledImage, Slot::storageImage,
-             Slot::storageBuffer, Slot::storageBuffer},
+             Slot::storageBuffer, Slot::storageBuffer, Slot::texelBuffer},
             sizeof(shared::UpsampleParams),
             {domainOf(kind), guided && isGuided(kind), merge, repair && isBilateral(kind)}};
 }
@@ -97,14 +97,14 @@ void Upsample::record(gpu::Recorder& rec, const Inputs& in, const Sigmas& sigmas
                                 : listing          ? guidedRepair
                                 : merge            ? guidedMerge
                                                    : guidedKernel;
-    rec.dispatch(kernel, gpu::groups8x8(in.depth.extent),
-                 {{in.coarse, pointSampler},
-                  {in.depth, pointSampler},
-                  {in.normal, pointSampler},
-                  terms,
-                  listing ? options.repair->header : noList,
-                  listing ? options.repair->listed : noList},
-                 params);
+    rec.dispatchTiles(kernel, in.depth.extent, in.tiles,
+                      {{in.coarse, pointSampler},
+                       {in.depth, pointSampler},
+                       {in.normal, pointSampler},
+                       terms,
+                       listing ? options.repair->header : noList,
+                       listing ? options.repair->listed : noList},
+                      params);
 }
 
 }  // namespace lodestar::upsample

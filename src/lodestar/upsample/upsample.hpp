@@ -30,10 +30,11 @@ public:
         gpu::View normal;   ///< grid O, R32_UINT: view-space normal, packNormal
         vk::Extent2D size;  ///< of S: the part of `coarse` in use
         float rate = 1;     ///< r ≥ 1: O pixels per S texel along an axis, fractional
+        const gpu::TileList* tiles = nullptr;  ///< of O, the others being left alone; none: all
     };
-    /// Writes every texel of `terms` (grid O, RGBA16_SFLOAT). Images in GENERAL; the caller has
-    /// made the inputs visible. Throws std::invalid_argument for a rate below 1, a sigma ≤ 0 or a
-    /// size that is 0 or larger than `coarse`.
+    /// Writes every texel of `terms` (grid O, RGBA16_SFLOAT) that `tiles` has. Images in GENERAL;
+    /// the caller has made the inputs visible. Throws std::invalid_argument for a rate below 1, a
+    /// sigma ≤ 0 or a size that is 0 or larger than `coarse`.
     void record(gpu::Recorder&, const Inputs&, const Sigmas&, gpu::View terms,
                 const UpsampleOptions& = {}) const;
 

@@ -21,10 +21,10 @@ layout(location = 0) out uint outId;
 void main() {
     if (kMasked != 0) {
         TexturePlace place;
-        place.set0 = TexturePoint(uv0, dFdx(uv0) * params.textureScale,
-                                  dFdy(uv0) * params.textureScale);
-        place.set1 = TexturePoint(uv1, dFdx(uv1) * params.textureScale,
-                                  dFdy(uv1) * params.textureScale);
+        place.set0 = TexturePoint(uv0, dFdx(uv0) * params.textureScale.x,
+                                  dFdy(uv0) * params.textureScale.y);
+        place.set1 = TexturePoint(uv1, dFdx(uv1) * params.textureScale.x,
+                                  dFdy(uv1) * params.textureScale.y);
         place.material = loadCluster(id >> LS_TRIANGLE_BITS).material;
         const GpuMaterial material = loadMaterial(place.material);
         const float a = sampleTexture(material.baseColorTexture, 0, place, kBaseColorArrays).a;

@@ -2,6 +2,7 @@
 #version 460
 #include "triangle.glsl"
 #include "rebuild_params.h"
+#include "../shared/tiles.glsl"
 #include "view_params.h"
 #define LS_MATERIAL_BINDING 12
 #define LS_TEXTURE_BINDING 13
@@ -29,6 +30,7 @@ layout(binding = 10, rgba32ui) writeonly uniform uimage2D outMaterial;
 layout(binding = 11, rgba16f) writeonly uniform image2D outEmissive;
 layout(binding = 14) uniform samplerBuffer secondUvs;
 layout(binding = 15) uniform sampler2D points;
+layout(binding = 16) uniform usamplerBuffer tiles;
 layout(push_constant, scalar) uniform Push { RebuildParams params; };
 
 TexturePoint interpolate(vec2 a, vec2 b, vec2 c, vec3 at, vec3 dx, vec3 dy) {
@@ -123,7 +125,7 @@ void rebuild(ivec2 pixel, uint id) {
 }
 
 void main() {
-    const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+    const ivec2 pixel = pixelOfThread(tiles);
     if (any(greaterThanEqual(pixel, ivec2(params.size)))) return;
     const uint id = texelFetch(ids, pixel, 0).x;
     if (id == 0) {

@@ -50,7 +50,8 @@ gpu::Kernel makeKernel(const gpu::Device& device, const scene::SceneFeatures& fe
                                    Slot::texelBuffer,
                                    {Slot::sampledImage, shared::LS_TEXTURE_ARRAYS},
                                    Slot::texelBuffer,
-                                   Slot::sampledImage}),
+                                   Slot::sampledImage,
+                                   Slot::texelBuffer}),
             sizeof(shared::RebuildParams),
             constants(features, points, guidesAlone)};
 }
@@ -86,18 +87,18 @@ void Rebuild::record(gpu::Recorder& rec, const scene::GpuScene& scene, const Inp
         .textureScale = in.textureScale};
     // Without points that binding is not read: any image of floats does.
     const gpu::View points = in.points ? *in.points : out.depth.view();
-    rec.dispatch(in.points ? pointKernel : kernel, gpu::groups8x8(in.ids.extent),
-                 scene::withScene(scene, {in.view,
-                                          {in.ids, pointSampler},
-                                          out.depth,
-                                          out.normal,
-                                          out.material,
-                                          out.emissive,
-                                          scene.materials,
-                                          {scene.textureViews(), textureSampler},
-                                          scene.secondUvs,
-                                          {points, pointSampler}}),
-                 params);
+    rec.dispatchTiles(in.points ? pointKernel : kernel, in.ids.extent, in.tiles,
+                      scene::withScene(scene, {in.view,
+                                               {in.ids, pointSampler},
+                                               out.depth,
+                                               out.normal,
+                                               out.material,
+                                               out.emissive,
+                                               scene.materials,
+                                               {scene.textureViews(), textureSampler},
+                                               scene.secondUvs,
+                                               {points, pointSampler}}),
+                      params);
 }
 
 }  // namespace lodestar::visibility

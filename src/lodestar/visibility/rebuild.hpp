@@ -41,10 +41,11 @@ public:
         /// centre
         std::optional<gpu::View> points = {};
         vk::Extent2D grid = {};  ///< O, whose pixels decide mip levels; none: the extent of `ids`
-        float textureScale = 1;  ///< of texture gradients: an LOD bias is its log2
+        glm::vec2 textureScale{1};  ///< of texture gradients along x, y: an LOD bias is its log2
         const char* pass = "rebuild";
+        const gpu::TileList* tiles = nullptr;  ///< of `ids`; none: all
     };
-    /// Writes every texel of `surface` that lies in the extent of `ids`.
+    /// Writes every texel of `surface` that lies in the extent of `ids`, and in `tiles`.
     void record(gpu::Recorder&, const scene::GpuScene&, const Inputs&,
                 const Surface& surface) const;
 

@@ -5,9 +5,9 @@
 LS_NAMESPACE_BEGIN
 
 struct RebuildParams {
-    vec2 pixelNdc;       // size of a pixel of grid O in NDC
-    uvec2 size;          // of the part of `ids` in use
-    float textureScale;  // of texture gradients: 1, or less for a sharper mip level
+    vec2 pixelNdc;      // size of a pixel of grid O in NDC
+    uvec2 size;         // of the part of `ids` in use
+    vec2 textureScale;  // of texture gradients along x and y: 1, or less for a sharper mip level
 };
 
 LS_NAMESPACE_END

@@ -1,0 +1,33 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <lodestar/gpu/recorder.hpp>
+
+namespace lodestar::shading {
+
+/// The sky in tiles of grid O without a surface, for which nothing else is then to be done.
+class Background {
+public:
+    explicit Background(const gpu::Device&);
+
+    struct Inputs {
+        const gpu::Buffer& view;   ///< shared::ViewParams
+        const gpu::Buffer& light;  ///< shared::LightParams
+        gpu::View sky;             ///< octahedral radiance, as of Combine
+        const gpu::TileList& tiles;
+    };
+    /// Of one extent, that of grid O; what is written is what Rebuild, Coarse and Combine would.
+    struct Outputs {
+        gpu::View depth;     ///< R32_SFLOAT: 0
+        gpu::View terms;     ///< RGBA16_SFLOAT: those of what nothing shades
+        gpu::View radiance;  ///< RGBA16_SFLOAT, linear
+    };
+    /// Pass "background".
+    void record(gpu::Recorder&, const Inputs&, const Outputs&) const;
+
+private:
+    vk::raii::Sampler skySampler;
+    gpu::Kernel kernel;
+};
+
+}  // namespace lodestar::shading
