@@ -11,7 +11,7 @@ layout(binding = 2) uniform sampler2D depth;
 layout(binding = 3) uniform sampler2D terms;
 layout(binding = 4) uniform usampler2D material;
 layout(binding = 5) uniform sampler2D history;  // rgb, a: the weight of the samples in it
-layout(binding = 6) uniform sampler2D guide;    // depth, instance, sun of what it shows; layer
+layout(binding = 6) uniform sampler2D guide;    // depth, instance and sun of what it shows; layer
 layout(binding = 7, rgba16f) writeonly uniform image2D outHistory;
 layout(binding = 8, rgba32f) writeonly uniform image2D outGuide;
 layout(binding = 9) uniform sampler2D layer;  // share of blended surfaces
@@ -26,6 +26,7 @@ const float kShiny = 0.4;           // roughness below which reflections are see
 const float kEnough = 1;            // weight of samples that need no reconstruction beside them
 const float kMovingMemory = 0.12;   // of the memory, where resampling blurs it
 const float kLayerFades = 0.5;      // a frame: beside its edge it still passes for what is here
+const float kTravelled = 2;         // added to the layer's share in the guide: it travels
 const float kCovers = 0.03;         // relative, by which something nearer covers
 const float kLeaves = 8;            // halvings of the memory, a pixel that what covers moves by
 const float kMovingFalloff = 0.5;   // of the kernel's, where few frames are left to fill it
@@ -164,7 +165,7 @@ void main() {
     float matched = 0, sunThen = 0, layerThen = 0;
     float own = 0;      // share that showed the very surface
     float covered = 0;  // share that showed something before it
-    const bool remembers = params.known != 0 && params.layered != 0;
+    bool travelled = false;  // what has moved on may have left parts of itself
     bool all4 = true;
     for (int i = 0; i < 4; ++i) {
         const ivec2 corner = ivec2(i & 1, i >> 1);
@@ -172,7 +173,11 @@ void main() {
         const vec4 then = texelFetch(guide, tap, 0);
         const vec2 share = mix(1 - f, f, vec2(corner));
         const float w = share.x * share.y;
-        layerThen = max(layerThen, w > 0.01 && remembers ? then.w : 0);
+        if (w > 0.01 && params.known != 0) {
+            travelled = travelled || then.w >= kTravelled;
+            const float layered = mod(then.w, kTravelled);
+            layerThen = max(layerThen, params.layered != 0 ? layered : 0);
+        }
         // Where nothing moved at all nothing can have been uncovered.
         const bool same = params.moved == 0 || mayBlend(then, around);
         all4 = all4 && (same || w < 0.01);
@@ -204,7 +209,7 @@ void main() {
     const float layerNow = params.layered != 0 ? texelFetch(layer, texel, 0).x : 0;
     const float ofLayer = params.moved != 0 ? max(layerNow, layerThen) : 0;
     const bool layerMoved = ofLayer > 0.004;
-    if (travels || shadowMoved || reflectionMoved || layerMoved)
+    if (travels || travelled || shadowMoved || reflectionMoved || layerMoved)
         before.rgb = clamp(before.rgb, around.low, around.high);
 
     const float memory = params.memory * (travels ? kMovingMemory : 1) * (1 - ofLayer) *
@@ -216,5 +221,7 @@ void main() {
                      (ahead > 0 ? edgeAdaptiveAt(at) * ahead : vec3(0));
     const vec4 joined = vec4(sum / (old + weight + ahead), old + weight);
     imageStore(outHistory, pixel, joined);
-    imageStore(outGuide, pixel, vec4(texelFetch(depth, texel, 0).x, moved.w, sun, max(layerNow, kLayerFades * layerThen)));
+    const float layerLeft = max(layerNow, kLayerFades * layerThen);
+    imageStore(outGuide, pixel, vec4(texelFetch(depth, texel, 0).x, moved.w, sun,
+                                     layerLeft + (travels ? kTravelled : 0)));
 }
