@@ -202,7 +202,7 @@ LS_NAMESPACE_END
     VISIT(p.scan.before) VISIT(p.scan.totals) \
     VISIT(p.phase.phase) VISIT(p.phase.table) \
     VISIT(p.hiz.from) VISIT(p.hiz.to) VISIT(p.hiz.fromOffset) VISIT(p.hiz.toOffset) VISIT(p.hiz.scale) \
-    VISIT(p.capture.clipFromWorld) \
+    VISIT(p.capture.clipFromWorld) VISIT(p.capture.textureScale) \
     VISIT(p.view.clipFromWorld) VISIT(p.view.viewFromWorld) VISIT(p.view.eye) \
     VISIT(p.view.clipScale) VISIT(p.view.jitter) \
     VISIT(p.coarse.size) VISIT(p.coarse.fullSize) VISIT(p.coarse.rate) \
@@ -235,6 +235,7 @@ LS_NAMESPACE_END
     VISIT(p.captureCompute.clipFromWorld) VISIT(p.captureCompute.size) \
     VISIT(p.captureCompute.firstRow) VISIT(p.captureCompute.rows) \
     VISIT(p.captureCompute.table) VISIT(p.captureCompute.capacity) \
+    VISIT(p.captureCompute.textureScale) \
     VISIT(p.captureArgs.firstDraw) VISIT(p.captureArgs.capacity) \
     LS_VISIT_3(VISIT, p.captureQueue.groups) VISIT(p.captureQueue.first) \
     LS_VISIT_3(VISIT, p.captureQueue.slowGroups) VISIT(p.captureQueue.count) \
@@ -263,7 +264,8 @@ LS_NAMESPACE_END
     VISIT(p.deform.deltas) VISIT(p.deform.deltaRows) VISIT(p.deform.firstActive) \
     VISIT(p.deform.activeCount) VISIT(p.deformBounds.firstMeshlet) \
     VISIT(p.deformBounds.meshletCount) \
-    VISIT(p.peel.clipFromWorld) VISIT(p.peel.toOpaque) VISIT(p.peel.opaqueSize) \
+    VISIT(p.peel.clipFromWorld) VISIT(p.peel.textureScale) VISIT(p.peel.toOpaque) \
+    VISIT(p.peel.opaqueSize) \
     VISIT(p.layer.size) VISIT(p.layer.fullSize) VISIT(p.layer.capacity) VISIT(p.showLods.scale) \
     VISIT(p.temporal.texelSize) VISIT(p.temporal.last) VISIT(p.temporal.live) \
     VISIT(p.temporal.jitter) VISIT(p.temporal.size) VISIT(p.temporal.falloff) \

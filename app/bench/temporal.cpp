@@ -27,6 +27,7 @@ using scale::TemporalMode;
 
 constexpr std::size_t kModes = scale::kTemporalNames.size();  // off: the scaling filter alone
 constexpr std::size_t kJudged = 3;                            // last frames of a run
+constexpr float kAnimatedFrom = 1;                            // seconds
 constexpr std::uint32_t kFine = 4;  // samples a pixel of the truth, along each axis
 
 /// What the camera, the scene and S do over a run.
@@ -147,13 +148,18 @@ CourseResult runCourse(Stage& stage, const Course& course) {
     CourseResult result;
     quality::RgbImage fullBefore;
     std::vector<float> depthBefore;
+    // The course before may have left the scene at another time.
+    if (session.gpuScene->animated())
+        session.gpuScene->animate(course.animates ? kAnimatedFrom : 0);
+    // By the frame that has no history.
+    warmUp([&] { return stage.full->render(stage.camera, {}); });
     for (auto& method : stage.methods) method->reset();
     stage.full->reset();
     stage.native->reset();
     const std::size_t judgedFrom = stage.frames - kJudged;
     for (std::size_t i = 0; i < stage.frames; ++i) {
         const scene::Camera camera = path->at(stage.camera, i, 4 * stage.frames);
-        if (course.animates) session.gpuScene->animate(1 + static_cast<float>(i) / 60);
+        if (course.animates) session.gpuScene->animate(kAnimatedFrom + static_cast<float>(i) / 60);
         const bool judged = i >= judgedFrom, before = i + 1 >= judgedFrom;
         const float s = course.scales[i % course.scales.size()];
         std::vector<std::uint8_t> uncovered;

@@ -63,7 +63,8 @@ gpu::FrameTimes BlendedLayer::blend(gpu::Recorder& rec, const scene::GpuScene& s
         list);
     rec.barrier(Stage::compute, Stage::raster);
     rec.barrier(Stage::compute, Stage::indirect);
-    peel.record(rec, scene, {list, view.clipFromWorld, over.depth, size}, peeled);
+    peel.record(rec, scene, {list, view.clipFromWorld, over.depth, size, over.textureScale},
+                peeled);
 
     const shading::Layer::Peeled found{views(peeled.ids), views(peeled.alphas), over.depth, size};
     layer.recordList(rec, found, *fragments, targets);

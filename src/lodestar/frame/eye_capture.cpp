@@ -45,12 +45,13 @@ std::optional<geometry::SampledPicture> EyeCapture::samplesOf(const glm::mat4& c
 void EyeCapture::record(gpu::Recorder& rec, const scene::GpuScene& scene,
                         const geometry::DrawList& list, const glm::mat4& clipFromWorld,
                         gpu::View ids, const std::string& name, geometry::DrawPhase phase,
-                        bool complete) const {
+                        glm::vec2 textureScale, bool complete) const {
     rec.barrier(Stage::compute, Stage::indirect);
     if (const auto* compute = std::get_if<Compute>(&implementation)) {
         rec.barrier(Stage::compute, Stage::compute);
         rec.barrier(Stage::compute, Stage::transfer);
-        compute->pass.record(rec, scene, list, {clipFromWorld, ids.extent, 0, ids.extent.height},
+        compute->pass.record(rec, scene, list,
+                             {clipFromWorld, ids.extent, 0, ids.extent.height, textureScale},
                              compute->scratch, name, phase);
         if (complete) compute->pass.recordIds(rec, compute->scratch, ids);
         rec.barrier(Stage::compute, Stage::compute);
@@ -58,8 +59,8 @@ void EyeCapture::record(gpu::Recorder& rec, const scene::GpuScene& scene,
     }
     const auto& raster = std::get<Raster>(implementation);
     rec.barrier(Stage::compute, Stage::raster);
-    raster.pass.record(rec, scene, list, clipFromWorld, {ids, part(raster.depth, ids.extent)}, name,
-                       phase);
+    raster.pass.record(rec, scene, list, clipFromWorld,
+                       {ids, part(raster.depth, ids.extent), {}, textureScale}, name, phase);
     rec.barrier(Stage::raster, Stage::compute);
 }
 

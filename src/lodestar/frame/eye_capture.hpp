@@ -17,10 +17,11 @@ public:
 
     /// Draws `list`, whose contents compute has written, over what is there (the second phase) or
     /// anew, and leaves ids visible to compute: R32_UINT, color attachment and storage.
-    /// Where culling is not done yet, `complete` is false: the ids are not needed then.
+    /// `textureScale` is of the gradients of alpha tests. Where culling is not done yet, `complete`
+    /// is false: the ids are not needed then.
     void record(gpu::Recorder&, const scene::GpuScene&, const geometry::DrawList& list,
                 const glm::mat4& clipFromWorld, gpu::View ids, const std::string& name,
-                geometry::DrawPhase, bool complete = true) const;
+                geometry::DrawPhase, glm::vec2 textureScale, bool complete = true) const;
     /// The depths of a picture of `size` that was recorded last.
     void recordHiZ(gpu::Recorder&, vk::Extent2D size, const glm::mat4& clipFromWorld,
                    geometry::HiZ&) const;

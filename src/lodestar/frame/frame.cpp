@@ -92,7 +92,7 @@ gpu::FrameTimes Frame::renderOutside(const scene::Camera& outside) {
     if (samples) throw std::logic_error("Frame::renderOutside needs captureSide 1");
     begin(outside, {}, scale::TemporalMode::off);
     capture.record(rec, *scene, eyeList, clipFromWorld(outside), ids(), "capture",
-                   geometry::DrawPhase::both);
+                   geometry::DrawPhase::both, textureScale);
     reset();  // the targets show another view now
     shade({});
     if (options.showLods) {
@@ -132,7 +132,7 @@ void Frame::begin(const scene::Camera& camera, const budget::Levers& levers,
     repairList.size = live;
     joining = mode;
     const glm::vec2 grid(live.width, live.height);
-    jitter = 2.0f * scale::jitterOf(mode, pictures++, renderScale) / grid;
+    jitter = 2.0f * scale::jitterOf(mode, pictures++) / grid;
     textureScale = scale::textureScaleOf(mode, renderScale);
     submitted = {};
     focus = std::max(glm::distance(camera.eye, camera.at), 1e-6f);
@@ -312,7 +312,8 @@ void Frame::findVisible(const geometry::CullView& view) {
     using Phase = geometry::DrawPhase;
     const auto draw = [&](const char* name, Phase phase) {
         const bool complete = phase == Phase::second || view.cull != geometry::CullMode::hiz;
-        capture.record(rec, *scene, eyeList, view.clipFromWorld, ids(), name, phase, complete);
+        capture.record(rec, *scene, eyeList, view.clipFromWorld, ids(), name, phase, textureScale,
+                       complete);
     };
     tessellate.record(rec, *scene, view);
     if (view.cull != geometry::CullMode::hiz) {

@@ -29,6 +29,7 @@ struct SampledPicture {
     glm::mat4 clipFromWorld{1};
     vk::Extent2D size;  ///< samples of the whole picture
     std::uint32_t firstRow = 0, rows = 0;
+    glm::vec2 textureScale{1};  ///< of the gradients of alpha tests
 };
 
 /// A view to cull for.

@@ -11,7 +11,7 @@ layout(binding = 2) uniform sampler2D depth;
 layout(binding = 3) uniform sampler2D terms;
 layout(binding = 4) uniform usampler2D material;
 layout(binding = 5) uniform sampler2D history;  // rgb, a: the weight of the samples in it
-layout(binding = 6) uniform sampler2D guide;    // depth, instance, sun of what it shows; layer
+layout(binding = 6) uniform sampler2D guide;    // depth, instance and sun of what it shows; layer
 layout(binding = 7, rgba16f) writeonly uniform image2D outHistory;
 layout(binding = 8, rgba32f) writeonly uniform image2D outGuide;
 layout(binding = 9) uniform sampler2D layer;  // share of blended surfaces
@@ -26,6 +26,9 @@ const float kShiny = 0.4;           // roughness below which reflections are see
 const float kEnough = 1;            // weight of samples that need no reconstruction beside them
 const float kMovingMemory = 0.12;   // of the memory, where resampling blurs it
 const float kLayerFades = 0.5;      // a frame: beside its edge it still passes for what is here
+const float kTravelled = 2;         // added to the layer's share in the guide: it travels
+const float kCovers = 0.03;         // relative, by which something nearer covers
+const float kLeaves = 8;            // halvings of the memory, a pixel that what covers moves by
 const float kMovingFalloff = 0.5;   // of the kernel's, where few frames are left to fill it
 
 /// What the texel and its four neighbours show: what a place in the history must be one of.
@@ -36,25 +39,39 @@ struct Around {
     vec4 gathered;  // rgb times weight, weight: by their distances to the pixel's centre
 };
 
-Around lookAround(ivec2 texel, vec2 off, vec2 step, float falloff) {
-    const ivec2 steps[5] = ivec2[](ivec2(0), ivec2(-1, 0), ivec2(1, 0), ivec2(0, -1), ivec2(0, 1));
-    const ivec2 last = ivec2(params.live) - 1;
+const ivec2 kSteps[5] = ivec2[](ivec2(0), ivec2(-1, 0), ivec2(1, 0), ivec2(0, -1), ivec2(0, 1));
+
+ivec2 stepFrom(ivec2 texel, int i) {
+    return clamp(texel + kSteps[i], ivec2(0), ivec2(params.live) - 1);
+}
+
+/// Whether anything there moves over the picture.
+bool anyTravels(vec4 motion_[5]) {
+    float most = 0;
+    for (int i = 0; i < 5; ++i) {
+        const vec2 travel = motion_[i].xy * vec2(params.size);
+        most = max(most, dot(travel, travel));
+    }
+    return most > 1e-4;
+}
+
+Around lookAround(vec4 motion_[5], ivec2 texel, vec2 off, vec2 step, float falloff) {
     Around a;
+    a.motion = motion_;
     a.sunLow = 1;
     a.sunHigh = 0;
     a.low = vec3(1);
     a.high = vec3(0);
     a.gathered = vec4(0);
     for (int i = 0; i < 5; ++i) {
-        const ivec2 at = clamp(texel + steps[i], ivec2(0), last);
-        a.motion[i] = texelFetch(motion, at, 0);
+        const ivec2 at = stepFrom(texel, i);
         const float sun = texelFetch(terms, at, 0).x;
         a.sunLow = min(a.sunLow, sun);
         a.sunHigh = max(a.sunHigh, sun);
         const vec3 color = texelFetch(source, at, 0).rgb;
         a.low = min(a.low, color);
         a.high = max(a.high, color);
-        const vec2 d = off + vec2(steps[i]) / step;
+        const vec2 d = off + vec2(kSteps[i]) / step;
         a.gathered += exp2(-falloff * dot(d, d)) * vec4(color, 1);
     }
     return a;
@@ -80,6 +97,21 @@ bool mayBlend(vec4 then, Around a) {
     const float slack = kDepthSlack * then.x + (far - near);
     const bool seenNow = then.x >= near - slack && then.x <= far + slack;
     return seenNow || distanceOf(then.x) >= nearest * (1 - kDepthSlack);
+}
+
+/// Whether a place of the history shows the very surface that the pixel shows now, and not only one
+/// beside it, which may well be in another light.
+bool isOwn(vec4 then, vec4 moved) {
+    return then.y == moved.w && abs(then.x - moved.z) <= kDepthSlack * then.x;
+}
+
+/// By how many pixels something nearer, beside the pixel, moves otherwise than what it shows.
+float apartOf(Around a) {
+    float apart = 0;
+    for (int i = 1; i < 5; ++i)
+        if (distanceOf(a.motion[i].z) < distanceOf(a.motion[0].z) * (1 - kCovers))
+            apart = max(apart, length((a.motion[i].xy - a.motion[0].xy) * vec2(params.size)));
+    return apart;
 }
 
 /// Catmull-Rom over 4×4 without its corners, in five bilinear fetches; a place at a texel's centre
@@ -113,10 +145,12 @@ void main() {
     const vec2 at = (vec2(pixel) + 0.5) * step + params.jitter;
     const ivec2 texel = ivec2(clamp(at, vec2(0), params.live - 1));
     const vec2 off = (vec2(texel) + 0.5 - at) / step;
-    const vec2 travel = texelFetch(motion, texel, 0).xy * vec2(params.size);
-    const bool travels = dot(travel, travel) > 1e-4;
+    // Where something beside the pixel moves, the pixel still holds of it what has moved on.
+    vec4 motions[5];
+    for (int i = 0; i < 5; ++i) motions[i] = texelFetch(motion, stepFrom(texel, i), 0);
+    const bool travels = anyTravels(motions);
     const Around around =
-        lookAround(texel, off, step, params.falloff * (travels ? kMovingFalloff : 1));
+        lookAround(motions, texel, off, step, params.falloff * (travels ? kMovingFalloff : 1));
     const vec4 moved = around.motion[0];
     const float weight = around.gathered.w;
     const float sun = texelFetch(terms, texel, 0).x;
@@ -129,7 +163,9 @@ void main() {
     const vec2 base = floor(safe - 0.5), f = safe - 0.5 - base;
     vec4 loose = vec4(0);
     float matched = 0, sunThen = 0, layerThen = 0;
-    const bool remembers = params.known != 0 && params.layered != 0;
+    float own = 0;      // share that showed the very surface
+    float covered = 0;  // share that showed something before it
+    bool travelled = false;  // what has moved on may have left parts of itself
     bool all4 = true;
     for (int i = 0; i < 4; ++i) {
         const ivec2 corner = ivec2(i & 1, i >> 1);
@@ -137,26 +173,35 @@ void main() {
         const vec4 then = texelFetch(guide, tap, 0);
         const vec2 share = mix(1 - f, f, vec2(corner));
         const float w = share.x * share.y;
-        layerThen = max(layerThen, w > 0.01 && remembers ? then.w : 0);
+        if (w > 0.01 && params.known != 0) {
+            travelled = travelled || then.w >= kTravelled;
+            const float layered = mod(then.w, kTravelled);
+            layerThen = max(layerThen, params.layered != 0 ? layered : 0);
+        }
         // Where nothing moved at all nothing can have been uncovered.
         const bool same = params.moved == 0 || mayBlend(then, around);
         all4 = all4 && (same || w < 0.01);
+        if (then.x > 0 && then.x < distanceOf(moved.z) * (1 - kCovers)) covered += w;
         if (same) {
             loose += w * texelFetch(history, tap, 0);
-            sunThen += w * then.z;
             matched += w;
+        }
+        if (isOwn(then, moved)) {
+            sunThen += w * then.z;
+            own += w;
         }
     }
     const bool kept = params.known != 0 && inPicture && matched > 0.02;
     const vec4 sharp = sharpHistory(safe, 1 / outSize);
     vec4 before = all4 ? sharp : loose / max(matched, 1e-3);
     before.rgb = clamp(before.rgb, vec3(0), vec3(1));
-    sunThen /= max(matched, 1e-3);
+    sunThen /= max(own, 1e-3);
 
     // Only where shading moves over a surface that stays is its colour no longer right, and where
     // resampling and parts of pixels that were of something else have been carried along.
     const bool shadowMoved =
-        sunThen < around.sunLow - kSunSlack || sunThen > around.sunHigh + kSunSlack;
+        params.moved != 0 && own > 0.02 &&
+        (sunThen < around.sunLow - kSunSlack || sunThen > around.sunHigh + kSunSlack);
     const float roughness = unpackUnorm4x8(texelFetch(material, texel, 0).y).x;
     const bool reflectionMoved = params.moved != 0 && moved.w > 0 && roughness < kShiny;
     // Nor where blended surfaces show or did, which move otherwise than what is behind them: they
@@ -164,10 +209,11 @@ void main() {
     const float layerNow = params.layered != 0 ? texelFetch(layer, texel, 0).x : 0;
     const float ofLayer = params.moved != 0 ? max(layerNow, layerThen) : 0;
     const bool layerMoved = ofLayer > 0.004;
-    if (travels || shadowMoved || reflectionMoved || layerMoved)
+    if (travels || travelled || shadowMoved || reflectionMoved || layerMoved)
         before.rgb = clamp(before.rgb, around.low, around.high);
 
-    const float memory = params.memory * (travels ? kMovingMemory : 1) * (1 - ofLayer);
+    const float memory = params.memory * (travels ? kMovingMemory : 1) * (1 - ofLayer) *
+                         exp2(-kLeaves * apartOf(around) * covered);
     // Until samples have gathered, this frame's own reconstruction stands for those to come.
     const float old = kept ? min(max(before.a, 0), memory) : 0;
     const float ahead = max(kEnough - old, 0);
@@ -175,5 +221,7 @@ void main() {
                      (ahead > 0 ? edgeAdaptiveAt(at) * ahead : vec3(0));
     const vec4 joined = vec4(sum / (old + weight + ahead), old + weight);
     imageStore(outHistory, pixel, joined);
-    imageStore(outGuide, pixel, vec4(texelFetch(depth, texel, 0).x, moved.w, sun, max(layerNow, kLayerFades * layerThen)));
+    const float layerLeft = max(layerNow, kLayerFades * layerThen);
+    imageStore(outGuide, pixel, vec4(texelFetch(depth, texel, 0).x, moved.w, sun,
+                                     layerLeft + (travels ? kTravelled : 0)));
 }

@@ -68,14 +68,6 @@ std::vector<gpu::Image> images(const gpu::Device& device, std::size_t count, con
     return made;
 }
 
-/// Element `index` ≥ 1 of the van der Corput sequence of a base.
-float radicalInverse(std::uint32_t index, std::uint32_t base) {
-    float sum = 0, digit = 1 / static_cast<float>(base);
-    for (; index > 0; index /= base, digit /= static_cast<float>(base))
-        sum += digit * static_cast<float>(index % base);
-    return sum;
-}
-
 void copyPart(gpu::Recorder& rec, gpu::View from, gpu::View to, vk::Extent2D extent) {
     const vk::ImageSubresourceLayers layer{.aspectMask = vk::ImageAspectFlagBits::eColor,
                                            .layerCount = 1};
@@ -92,16 +84,17 @@ glm::vec2 vec(vk::Extent2D extent) {
 
 }  // namespace
 
-glm::vec2 jitterOf(TemporalMode mode, std::uint32_t index, budget::AxisScale scale) {
+glm::vec2 jitterOf(TemporalMode mode, std::uint32_t index) {
     if (mode == TemporalMode::off) return glm::vec2(0);
     if (mode == TemporalMode::source) return glm::vec2(index % 2 == 0 ? 0.25f : -0.25f);
-    // Eight samples for every pixel of the output, as a texel covers 1/S² of them.
-    const float texel = 1 / (scale.x * scale.y);
-    const auto length = static_cast<std::uint32_t>(std::clamp(8 * texel, 8.0f, 64.0f));
-    const std::uint32_t i = index % length + 1;
-    // The axis of fewer texels has more places to fill: it gets the base that divides the length.
-    const glm::vec2 place = glm::vec2(radicalInverse(i, 2), radicalInverse(i, 3)) - 0.5f;
-    return scale.y < scale.x ? glm::vec2(place.y, place.x) : place;
+    // Multiples of two numbers whose fractions are even over any run of frames, the longer the
+    // finer, and over every second to fifth of them, should S change in turn: of 200 pairs those
+    // that were least off the areas of half planes. They do not come round: a cycle would find the
+    // same edges off for ever. As fractions of 2³² the products wrap where fractions do.
+    const auto part = [index](std::uint32_t step) {
+        return static_cast<float>((index * step) >> 8) / 16777216.0f - 0.5f;
+    };
+    return {part(3064188577u), part(3500413139u)};
 }
 
 glm::vec2 textureScaleOf(TemporalMode mode, budget::AxisScale scale) {

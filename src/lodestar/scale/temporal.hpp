@@ -33,8 +33,8 @@ struct TemporalOptions {
 };
 
 /// Where frame `index` has its samples, relative to the centres of texels [texels]: to be added to
-/// the projection. `scale` is the render scale: the smaller it is, the longer the sequence.
-glm::vec2 jitterOf(TemporalMode, std::uint32_t index, budget::AxisScale scale);
+/// the projection.
+glm::vec2 jitterOf(TemporalMode, std::uint32_t index);
 /// What texture gradients along x and y are multiplied by, so that detail is there for the frames
 /// to gather: a LOD bias of −0.5 (source), or of log2 of the render scale, as of a picture of the
 /// output's size.

@@ -8,11 +8,11 @@ vec2 mixed(vec2 a, vec2 b, vec2 c, vec3 weights) {
     return a * weights.x + b * weights.y + c * weights.z;
 }
 
-/// `toNdc`: the distance between samples, in NDC; it decides the mip level.
-bool passesAlpha(Triangle t, vec4 clip0, vec4 clip1, vec4 clip2, vec2 ndc, vec2 toNdc,
+/// `toMip`: the distance, in NDC, that decides the mip level: between samples, or less.
+bool passesAlpha(Triangle t, vec4 clip0, vec4 clip1, vec4 clip2, vec2 ndc, vec2 toMip,
                  uint baseColorArrays) {
     const Barycentrics b = barycentricsAt(clip0, clip1, clip2, ndc);
-    const vec3 dx = b.dx * toNdc.x, dy = b.dy * toNdc.y;
+    const vec3 dx = b.dx * toMip.x, dy = b.dy * toMip.y;
     const GpuVertexAttributes a0 = loadAttributes(t.vertices.x), a1 = loadAttributes(t.vertices.y),
                               a2 = loadAttributes(t.vertices.z);
     TexturePlace place;

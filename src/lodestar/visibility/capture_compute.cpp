@@ -119,7 +119,8 @@ void CaptureCompute::record(gpu::Recorder& rec, const scene::GpuScene& scene,
                                               .firstRow = picture.firstRow,
                                               .rows = picture.rows,
                                               .table = list.table,
-                                              .capacity = projected ? list.projectedClusters : 0};
+                                              .capacity = projected ? list.projectedClusters : 0,
+                                              .textureScale = picture.textureScale};
     if (phase != DrawPhase::second) {
         rec.fill(scratch.words.buffer(), 0);
         recordPhase(rec, scene, list, params, scratch, 0);

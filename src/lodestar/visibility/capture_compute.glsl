@@ -119,8 +119,8 @@ void loadMasked(uint id) {
 bool passesAlpha(ivec2 at) {
     if (kMasked == 0) return true;
     const vec2 toNdc = 2 / vec2(params.size);
-    return passesAlpha(masked, clip0, clip1, clip2, (vec2(at) + 0.5) * toNdc - 1, toNdc,
-                       kBaseColorArrays);
+    return passesAlpha(masked, clip0, clip1, clip2, (vec2(at) + 0.5) * toNdc - 1,
+                       toNdc * params.textureScale, kBaseColorArrays);
 }
 
 /// Tests the samples first … last (at most 64 a side), which lie in the band, in steps of

@@ -15,11 +15,12 @@ const uint LS_CAPTURE_MOST_GROUPS = 8192;  // workgroups over a queue
 
 struct CaptureComputeParams {
     mat4 clipFromWorld;
-    uvec2 size;     // of grid C
-    uint firstRow;  // of the band, in grid C
-    uint rows;      // of the band
-    uint table;     // where the view's clusters begin in GpuScene::clusters
-    uint capacity;  // clusters whose vertices are projected
+    uvec2 size;         // of grid C
+    uint firstRow;      // of the band, in grid C
+    uint rows;          // of the band
+    uint table;         // where the view's clusters begin in GpuScene::clusters
+    uint capacity;      // clusters whose vertices are projected
+    vec2 textureScale;  // as CaptureParams has it
 };
 
 struct CaptureArgsParams {
@@ -45,7 +46,7 @@ struct CaptureQueueCounts {
 
 LS_NAMESPACE_END
 #ifdef __cplusplus
-static_assert(sizeof(lodestar::shared::CaptureComputeParams) == 88);
+static_assert(sizeof(lodestar::shared::CaptureComputeParams) == 96);
 static_assert(sizeof(lodestar::shared::CaptureQueueCounts) == 84);
 #endif
 #endif

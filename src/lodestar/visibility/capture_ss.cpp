@@ -74,7 +74,7 @@ void CaptureSs::record(gpu::Recorder& rec, const scene::GpuScene& scene,
             if (phase != Phase::both && phase != own) continue;
             const std::size_t draw = bin + (own == Phase::second ? scene::kDrawBins : 0);
             rec.drawIndirect(pipelines[bin], list.draws, draw * sizeof(vk::DrawIndirectCommand),
-                             bindings, shared::CaptureParams{clipFromWorld});
+                             bindings, shared::CaptureParams{clipFromWorld, target.textureScale});
         }
     }
     rec.endRendering();

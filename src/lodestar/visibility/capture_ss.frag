@@ -4,10 +4,13 @@
 #define LS_MATERIAL_BINDING 7
 #define LS_TEXTURE_BINDING 8
 #include "../scene/material.glsl"
+#include "capture_ss_params.h"
 
 layout(constant_id = 1) const uint kMasked = 0;
 layout(constant_id = 2) const uint kWriteId = 1;
 layout(constant_id = 3) const uint kBaseColorArrays = 255;
+
+layout(push_constant, scalar) uniform Push { CaptureParams params; };
 
 layout(location = 0) flat in uint id;
 layout(location = 1) in vec2 uv0;
@@ -18,8 +21,10 @@ layout(location = 0) out uint outId;
 void main() {
     if (kMasked != 0) {
         TexturePlace place;
-        place.set0 = TexturePoint(uv0, dFdx(uv0), dFdy(uv0));
-        place.set1 = TexturePoint(uv1, dFdx(uv1), dFdy(uv1));
+        place.set0 = TexturePoint(uv0, dFdx(uv0) * params.textureScale.x,
+                                  dFdy(uv0) * params.textureScale.y);
+        place.set1 = TexturePoint(uv1, dFdx(uv1) * params.textureScale.x,
+                                  dFdy(uv1) * params.textureScale.y);
         place.material = loadCluster(id >> LS_TRIANGLE_BITS).material;
         const GpuMaterial material = loadMaterial(place.material);
         const float a = sampleTexture(material.baseColorTexture, 0, place, kBaseColorArrays).a;

@@ -21,6 +21,7 @@ public:
         gpu::View depth;  ///< D32_SFLOAT, reversed
         /// Of the whole picture, where the target holds only some rows of it.
         std::optional<vk::Viewport> viewport = {};
+        glm::vec2 textureScale{1};  ///< of the gradients of alpha tests; as visibility::Rebuild's
     };
     using Phase = geometry::DrawPhase;
     /// Clears the target (but keeps it for the second phase) and draws `list`, whose contents the

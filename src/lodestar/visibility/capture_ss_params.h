@@ -6,6 +6,7 @@ LS_NAMESPACE_BEGIN
 
 struct CaptureParams {
     mat4 clipFromWorld;
+    vec2 textureScale;  // of the gradients that the alpha test reads textures by
 };
 
 LS_NAMESPACE_END

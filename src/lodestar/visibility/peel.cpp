@@ -75,6 +75,7 @@ void Peel::record(gpu::Recorder& rec, const scene::GpuScene& scene, const Inputs
                   const Targets& to) const {
     const vk::Extent2D opaque = in.opaqueDepth.extent;
     const shared::PeelParams params{.clipFromWorld = in.clipFromWorld,
+                                    .textureScale = in.textureScale,
                                     .toOpaque = glm::vec2(opaque.width, opaque.height) /
                                                 glm::vec2(in.size.width, in.size.height),
                                     .opaqueSize = {opaque.width, opaque.height}};

@@ -26,8 +26,10 @@ const float kSlack = 2e-5;  // relative: decals lie in the surface they are on
 
 void main() {
     TexturePlace place;
-    place.set0 = TexturePoint(uv0, dFdx(uv0), dFdy(uv0));
-    place.set1 = TexturePoint(uv1, dFdx(uv1), dFdy(uv1));
+    place.set0 = TexturePoint(uv0, dFdx(uv0) * params.textureScale.x,
+                              dFdy(uv0) * params.textureScale.y);
+    place.set1 = TexturePoint(uv1, dFdx(uv1) * params.textureScale.x,
+                              dFdy(uv1) * params.textureScale.y);
     place.material = loadCluster(id >> LS_TRIANGLE_BITS).material;
     const GpuMaterial material = loadMaterial(place.material);
     if ((material.flags & LS_MATERIAL_BLEND) == 0) discard;

@@ -22,8 +22,9 @@ public:
     struct Inputs {
         const geometry::DrawList& list;  ///< culled for the view at `size`
         glm::mat4 clipFromWorld;
-        gpu::View opaqueDepth;  ///< R32_SFLOAT: linear view depth of what is opaque, 0 = none
-        vk::Extent2D size;      ///< part of the targets to draw to
+        gpu::View opaqueDepth;      ///< R32_SFLOAT: linear view depth of what is opaque, 0 = none
+        vk::Extent2D size;          ///< part of the targets to draw to
+        glm::vec2 textureScale{1};  ///< of the gradients of alphas; as Rebuild's
     };
     /// Draws LS_PEELS layers; the list is visible to raster and indirect. Leaves them visible to
     /// compute. Passes "peel".

@@ -9,6 +9,7 @@ const uint LS_PEELS = 4u;  // blended surfaces that a pixel may show, one behind
 /// Begins as CaptureParams does: the vertex shader is the same.
 struct PeelParams {
     mat4 clipFromWorld;
+    vec2 textureScale;
     vec2 toOpaque;     // pixels of the opaque picture in one of this
     uvec2 opaqueSize;  // the part of it in use
 };
