@@ -245,7 +245,7 @@ struct Uncovered {
     int pixels = 0;
 };
 
-/// The error of what the quad has uncovered lately while it moves on by `step` seconds a frame.
+/// The error of what the quad uncovers while it moves on by `step` seconds a frame.
 Uncovered uncoveredBy(const gpu::Device& device, FrameSettings settings, float step) {
     const scene::Scene source = passingQuad();
     scene::GpuScene moving(device, source);
@@ -258,8 +258,6 @@ Uncovered uncoveredBy(const gpu::Device& device, FrameSettings settings, float s
     Frame joined = make(TemporalMode::lodestar), spatial = make(TemporalMode::off),
           full = make(TemporalMode::off);
     std::vector<std::uint32_t> idsBefore;
-    constexpr int kLately = 8;  // frames
-    std::vector<int> since(kSize.width * kSize.height, kLately);
     Uncovered found;
     for (int i = 0; i < 30; ++i) {
         moving.animate(step * float(i));
@@ -272,10 +270,9 @@ Uncovered uncoveredBy(const gpu::Device& device, FrameSettings settings, float s
         const std::uint32_t quad = ids[kSize.width * (kSize.height / 2)];  // never the mover's
         for (std::size_t p = 0; i > 5 && p < ids.size(); ++p) {
             const std::size_t x = p % kSize.width;
+            if (idsBefore[p] == ids[p] || x < 2) continue;
             // Uncovered: was bright, is not.
-            const bool bright = c.rgb[3 * p] > 150 || ids[p] == quad;
-            since[p] = bright || x < 2 ? kLately : idsBefore[p] != ids[p] ? 0 : since[p] + 1;
-            if (since[p] >= kLately) continue;
+            if (c.rgb[3 * p] > 150 || ids[p] == quad) continue;
             ++found.pixels;
             for (int k = 0; k < 3; ++k) {
                 found.withHistory += std::abs(int(a.rgb[3 * p + k]) - int(c.rgb[3 * p + k]));
