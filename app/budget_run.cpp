@@ -40,13 +40,13 @@ Json traceRows(const Run& run) {
         const budget::Levers& levers = run.levers[i];
         Json row = {{"frame", i},
                     {"r", levers.shadingRate},
+                    {"frame_ms", f.ms},
+                    {"target_ms", f.targetMs},
                     {"s", levers.renderScale.mean()},
                     {"s_x", levers.renderScale.x},
                     {"s_y", levers.renderScale.y},
                     {"layer_scale", levers.layerScale},
-                    {"shadow_scale", levers.shadowScale},
-                    {"frame_ms", f.ms},
-                    {"target_ms", f.targetMs}};
+                    {"shadow_scale", levers.shadowScale}};
         for (const budget::PassCost& pass : run.costs[i].passes)
             row[pass.name + "_ms"] = row.value(pass.name + "_ms", 0.0) + pass.ms;
         rows.push_back(row);

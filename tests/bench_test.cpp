@@ -359,7 +359,9 @@ TEST(BudgetHoldBench, figuresFollowFromTheTrace) {
 
     const auto trace = cellsOf(folder.read("out/budget-hold.columns.trace.csv"));
     ASSERT_EQ(trace.size(), options.frames + 1);
-    const std::vector<std::string> columns{"frame", "r", "frame_ms", "target_ms", "cull_ms"};
+    const std::vector<std::string> columns{
+        "frame", "r",   "frame_ms",    "target_ms",    "s",
+        "s_x",   "s_y", "layer_scale", "shadow_scale", "cull_ms"};
     ASSERT_GT(trace[0].size(), columns.size()) << "the passes follow";
     EXPECT_TRUE(std::equal(columns.begin(), columns.end(), trace[0].begin()));
     std::size_t within = 0;

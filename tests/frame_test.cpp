@@ -300,7 +300,7 @@ TEST_F(FrameTest, settingsOutOfRangeAreRefused) {
     };
     refuses([](FrameSettings& s) { s.size.width = 0; });
     refuses([](FrameSettings& s) { s.size.height = 16385; });
-    refuses([](FrameSettings& s) { s.shadowTaps = 65; });
+    refuses([](FrameSettings& s) { s.shadowTaps = 129; });
     refuses([](FrameSettings& s) { s.shadowMapSize = 15; });
     refuses([](FrameSettings& s) { s.shadowMapSize = 16385; });
     refuses([](FrameSettings& s) { s.skyViews = 17; });
