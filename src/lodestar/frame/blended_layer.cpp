@@ -57,10 +57,13 @@ gpu::FrameTimes BlendedLayer::blend(gpu::Recorder& rec, const scene::GpuScene& s
     const vk::Extent2D size = scaled(over.radiance.extent, over.scale);
     rec.barrier(Stage::raster, Stage::compute);  // the table's part was the light maps'
     rec.barrier(Stage::compute, Stage::compute);
-    cull.record(
-        rec, scene,
-        {.clipFromWorld = view.clipFromWorld, .eye = view.eye, .size = size, .lod = over.lod},
-        list);
+    cull.record(rec, scene,
+                {.clipFromWorld = view.clipFromWorld,
+                 .eye = view.eye,
+                 .size = size,
+                 .shown = over.shown,
+                 .lod = over.lod},
+                list);
     rec.barrier(Stage::compute, Stage::raster);
     rec.barrier(Stage::compute, Stage::indirect);
     peel.record(rec, scene, {list, view.clipFromWorld, over.depth, size, over.textureScale},

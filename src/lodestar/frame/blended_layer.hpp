@@ -33,6 +33,7 @@ public:
         float scale = 1;     ///< of the layer's grid, 0.25 … 1
         glm::vec2 textureScale{1};
         geometry::LodChoice lod;
+        std::optional<vk::Extent2D> shown = {};  ///< see geometry::CullView
     };
     /// Blends them over the picture. Submits what was recorded, to see how many fragments there are
     /// to shade, and goes on: returns what that took. Culls into TablePart::light.

@@ -32,13 +32,6 @@ CaptureBackend usedBackend(const gpu::Device& device, const scene::GpuScene& sce
     return s.backend;
 }
 
-/// What is off by so many pixels of grid B is off by `side` times as many samples.
-geometry::LodChoice sampleLod(const CaptureSettings& s) {
-    geometry::LodChoice lod = s.lod.value_or(geometry::LodChoice{});
-    lod.errorPx *= static_cast<float>(s.side);
-    return lod;
-}
-
 /// Bytes that a row of grid B takes while its band is captured and compacted.
 std::uint64_t rowBytes(CaptureBackend backend, const CaptureSettings& s) {
     const std::uint64_t samples = std::uint64_t{s.base.width} * s.side * s.side;
@@ -107,7 +100,8 @@ CaptureBackend chooseBackend(const gpu::Device& device, const scene::GpuScene& s
                 {.clipFromWorld = camera.clipFromView(aspect) * camera.viewFromWorld(),
                  .eye = camera.eye,
                  .size = {s.base.width * s.side, s.base.height * s.side},
-                 .lod = sampleLod(s)},
+                 .shown = s.base,
+                 .lod = s.lod.value_or(geometry::LodChoice{})},
                 list);
     rec.submit();
     const auto draws = gpu::as<vk::DrawIndirectCommand>(
@@ -208,11 +202,12 @@ void CaptureFrame::listTriangles(gpu::Recorder& r, const Band& band, const glm::
     bandFromClip[0][0] = width / widened;
     bandFromClip[1][1] = height / rows;
     bandFromClip[3][1] = -middle / rows;
+    const vk::Extent2D shown{settings.base.width + 2 * margin, listed.rows + 2 * margin};
     geometry::CullView view{.clipFromWorld = bandFromClip * clipFromWorld,
                             .eye = eye,
-                            .size = {(settings.base.width + 2 * margin) * settings.side,
-                                     (listed.rows + 2 * margin) * settings.side},
-                            .lod = sampleLod(settings)};
+                            .size = {shown.width * settings.side, shown.height * settings.side},
+                            .shown = shown,
+                            .lod = settings.lod.value_or(geometry::LodChoice{})};
     if (used == CaptureBackend::compute) view.samples = pictureOf(listed, clipFromWorld);
     cull.record(r, *scene, view, draws);
     r.barrier(Stage::compute, Stage::raster);

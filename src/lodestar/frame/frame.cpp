@@ -73,6 +73,7 @@ gpu::FrameTimes Frame::render(const scene::Camera& camera, const budget::Levers&
     findVisible({.clipFromWorld = clipFromWorld(camera),
                  .eye = camera.eye,
                  .size = live,
+                 .shown = countedIn(),
                  .cull = options.cull,
                  .lod = options.lod,
                  .wavePx = options.wavePx,
@@ -187,7 +188,7 @@ void Frame::blendLayer(float scale) {
     submitted.precede(
         layer->blend(rec, *scene, cull,
                      {rebuildPass, coarse, combine, lightMaps, viewBuffer, lightBuffer, skyImage},
-                     {depth(), radiance(), scale, textureScale, options.lod}));
+                     {depth(), radiance(), scale, textureScale, options.lod, countedIn()}));
 }
 
 gpu::FrameTimes Frame::finish() {
@@ -290,6 +291,13 @@ void Frame::reset() {
     hiz.reset();
     if (tracker) tracker->reset();
     if (temporal) temporal->reset();
+}
+
+/// Joined pictures show what one of the output's size would, whatever their own: another level of
+/// detail at every change of S would be seen as noise.
+std::optional<vk::Extent2D> Frame::countedIn() const {
+    if (joining == scale::TemporalMode::off) return {};
+    return options.size;
 }
 
 glm::mat4 Frame::steadyClipFromWorld(const scene::Camera& camera) const {

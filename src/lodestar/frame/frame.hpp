@@ -163,6 +163,8 @@ private:
     void shadeBackground();
     /// Sets the exposure by the last frame's radiance.
     void meter();
+    /// See geometry::CullView::shown.
+    std::optional<vk::Extent2D> countedIn() const;
     glm::mat4 clipFromWorld(const scene::Camera&) const;
     glm::mat4 steadyClipFromWorld(const scene::Camera&) const;
 

@@ -69,8 +69,7 @@ void setLods(const CullView& view, shared::CullParams& params) {
     params.lodMode = static_cast<std::uint32_t>(lod.mode);
     params.lodEye = view.eye;
     params.lodParallel = !view.perspective;
-    const float perUnit = pixelsPerUnit(view.clipFromWorld, view.size);
-    params.lodScale = perUnit / lod.errorPx;
+    params.lodScale = pixelsPerUnit(view) / lod.errorPx;
     float begins[8];
     std::fill(std::begin(begins), std::end(begins), std::numeric_limits<float>::infinity());
     std::copy(lod.distances.begin(), lod.distances.end(), begins);
@@ -90,7 +89,7 @@ shared::CullParams paramsOf(const CullView& view, const scene::GpuScene& scene, 
     std::copy(planes.begin(), planes.end(), params.planes);
     setLods(view, params);
     if (view.wavePx > 0 && scene.relief.capacity > 0)
-        params.reliefReach = pixelsPerUnit(view.clipFromWorld, view.size) / view.wavePx;
+        params.reliefReach = pixelsPerUnit(view) / view.wavePx;
     if (hiz != nullptr) {
         params.hizFromWorld0 = hiz->clipFromWorld();
         params.hizFromWorld1 = view.clipFromWorld;
@@ -132,6 +131,10 @@ gpu::Kernel makeCullTriangles(const gpu::Device& device, bool projected) {
 }
 
 }  // namespace
+
+float pixelsPerUnit(const CullView& view) {
+    return pixelsPerUnit(view.clipFromWorld, view.shown.value_or(view.size));
+}
 
 DrawList::DrawList(const gpu::Device& device, const scene::GpuScene& scene, const std::string& name,
                    scene::TablePart ofTable, std::uint32_t projects)

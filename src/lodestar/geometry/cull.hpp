@@ -37,6 +37,8 @@ struct CullView {
     glm::mat4 clipFromWorld{1};  ///< reversed depth; orthographic or perspective
     glm::vec3 eye{0};            ///< world; used for normal cones, and for levels of detail
     vk::Extent2D size;           ///< of the target [pixels]
+    /// Of the picture it becomes, in whose pixels errors and waves count; none: the target's.
+    std::optional<vk::Extent2D> shown = {};
     bool perspective = true;
     bool keepBeforeNear = false;  ///< do not cull what lies before the near plane (shadow casters)
     CullMode cull = CullMode::frustum;  ///< hiz: by recordFirst() and recordSecond()
@@ -48,6 +50,9 @@ struct CullView {
     /// which was made with room for them.
     std::optional<SampledPicture> samples = {};
 };
+
+/// Pixels of the picture shown that a unit of length takes, a unit away.
+float pixelsPerUnit(const CullView&);
 
 /// Which of the draws of a list: those of its first phase, those of its second, or both.
 enum class DrawPhase { both, first, second };

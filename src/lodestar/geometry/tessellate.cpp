@@ -64,7 +64,7 @@ void Tessellate::record(gpu::Recorder& rec, const scene::GpuScene& scene,
     const auto pass = rec.pass("tessellate");
     const auto planes = frustumPlanes(view.clipFromWorld, view.keepBeforeNear);
     shared::TessellateParams p{.eye = view.eye,
-                               .reach = pixelsPerUnit(view.clipFromWorld, view.size) / view.wavePx,
+                               .reach = pixelsPerUnit(view) / view.wavePx,
                                .pairs = relief.pairCount,
                                .capacity = relief.capacity,
                                .total = gpu::PrefixSum::bufferLength(relief.pairCount) - 1,
