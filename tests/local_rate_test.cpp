@@ -70,7 +70,7 @@ TEST_F(LocalRateTest, choiceIsReproducible) {
 }
 
 TEST_F(LocalRateTest, refineRefusesWhatMakesNoSense) {
-    const upsample::RefineList list(device(), {8, 8});
+    const gpu::TexelList list(device(), {8, 8}, "list");
     const upsample::Refine refine(device());
     const gpu::Image image(device(), {.name = "any",
                                       .format = vk::Format::eR32Sfloat,
@@ -83,7 +83,7 @@ TEST_F(LocalRateTest, refineRefusesWhatMakesNoSense) {
     EXPECT_THROW(record({9, 8}, 2, 0.1f), std::invalid_argument);
     EXPECT_THROW(record({8, 8}, 0.5f, 0.1f), std::invalid_argument);
     EXPECT_THROW(record({8, 8}, 2, 0), std::invalid_argument);
-    EXPECT_THROW(upsample::RefineList(device(), {70000, 1}), std::invalid_argument);
+    EXPECT_THROW(gpu::TexelList(device(), {70000, 1}, "list"), std::invalid_argument);
 }
 
 TEST_F(LocalRateTest, papersPackingLosesALittleAndNoMore) {

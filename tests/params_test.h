@@ -7,6 +7,7 @@
 #include "lodestar/geometry/show_lods_params.h"
 #include "lodestar/geometry/tessellate_params.h"
 #include "lodestar/gpu/prefix_sum_params.h"
+#include "lodestar/gpu/texel_list_params.h"
 #include "lodestar/post/dof_params.h"
 #include "lodestar/post/max_depth_params.h"
 #include "lodestar/post/motion_blur_params.h"
@@ -72,7 +73,7 @@ struct AllParams {
     UpsampleParams upsample;
     RepairHeader repair;
     RepairSelectParams repairSelect;
-    RefineHeader refineHeader;
+    TexelListHeader texelListHeader;
     RefineParams refine;
     TonemapParams tonemap;
     ReduceParams reduce;
@@ -224,7 +225,7 @@ LS_NAMESPACE_END
     VISIT(p.repair.cut) LS_VISIT_BINS_16(VISIT, p.repair.bins, 0) \
     LS_VISIT_BINS_16(VISIT, p.repair.bins, 16) LS_VISIT_BINS_16(VISIT, p.repair.bins, 32) \
     LS_VISIT_BINS_16(VISIT, p.repair.bins, 48) VISIT(p.repairSelect.most) \
-    LS_VISIT_3(VISIT, p.refineHeader.groups) VISIT(p.refineHeader.listed) \
+    LS_VISIT_3(VISIT, p.texelListHeader.groups) VISIT(p.texelListHeader.listed) \
     VISIT(p.refine.size) VISIT(p.refine.rate) VISIT(p.refine.spread) \
     VISIT(p.refine.depthFalloff) VISIT(p.refine.normalFalloff) VISIT(p.refine.unlike) \
     VISIT(p.tonemap.exposure) VISIT(p.tonemap.size) VISIT(p.reduce.factor) \

@@ -119,6 +119,7 @@ public:
           sunMap(depthMaps(1)),
           skyMaps(depthMaps(kSkyViews)),
           terms(target(size, vk::Format::eR16G16B16A16Sfloat, Usage::eStorage)),
+          covered(owner, size, "covered"),
           texels(target(size, vk::Format::eR32G32B32A32Uint, Usage::eStorage)) {}
 
     /// Draws the terms: at full rate to `terms`, and at `rate` to `texels`.
@@ -162,7 +163,7 @@ public:
         rec.barrier(Stage::raster, Stage::compute);
         const Coarse::Inputs inputs{ids, sunMap, skyMaps, viewBuffer, lightBuffer};
         coarse.recordFull(rec, gpuScene, inputs, shared::LS_ALL_TERMS, terms);
-        coarse.record(rec, gpuScene, inputs, shared::LS_ALL_TERMS, rate, texels);
+        coarse.record(rec, gpuScene, inputs, shared::LS_ALL_TERMS, rate, covered, texels);
         rec.submit();
     }
 
@@ -208,7 +209,9 @@ public:
     Coarse coarse;
     geometry::DrawList eyeList, lightList;
     gpu::Buffer viewBuffer, lightBuffer;
-    gpu::Image ids, depth, sunMap, skyMaps, terms, texels;
+    gpu::Image ids, depth, sunMap, skyMaps, terms;
+    gpu::TexelList covered;
+    gpu::Image texels;
     LightView sun;
     shared::LightParams light;
 };

@@ -105,12 +105,13 @@ lodestar_shaders(lodestar
     visibility/resolve.comp
     shading/background.comp
     shading/coarse.comp
-    shading/coarse_listed.comp
+    shading/coarse_list.comp
     shading/combine.comp
     shading/layer_blend.comp
     shading/layer_list.comp
     shading/layer_resolve.comp
     shading/repair_terms.comp
+    shading/terms.comp
     upsample/pack_coarse.comp
     upsample/refine.comp
     upsample/repair_compact.comp

@@ -381,13 +381,13 @@ void Frame::evaluateTerms(const budget::Levers& levers) {
 /// Every texel of S, or with a local rate every second one and, where the terms vary, the others.
 void Frame::evaluateOnGridS(const shading::Coarse::Inputs& inputs, shading::Coarse::Mask terms,
                             float rate, float localRate) {
-    coarse.record(rec, *scene, inputs, terms, rate, coarseImage, localRate > 0 ? 2 : 1);
+    coarse.record(rec, *scene, inputs, terms, rate, termTexels, coarseImage, localRate > 0 ? 2 : 1);
     if (localRate == 0) return;
     refines = true;
     rec.barrier(Stage::compute, Stage::compute);
     refine.record(rec, {surfaces.depth, surfaces.normal, shading::coarseExtent(live, rate), rate},
-                  options.sigmas, localRate, coarseImage, refineList);
-    coarse.recordListed(rec, *scene, inputs, terms, rate, refineList, coarseImage);
+                  options.sigmas, localRate, coarseImage, termTexels);
+    coarse.recordListed(rec, *scene, inputs, terms, rate, termTexels, coarseImage);
 }
 
 void Frame::setShadowTaps(std::uint32_t taps) {
@@ -402,8 +402,8 @@ float Frame::refinementCoarsened() const {
 
 std::uint32_t Frame::refinedTexels() const {
     if (!refines) return 0;
-    return gpu::as<shared::RefineHeader>(
-               gpu::readBuffer(*device, refineList.header, sizeof(shared::RefineHeader)))
+    return gpu::as<shared::TexelListHeader>(
+               gpu::readBuffer(*device, termTexels.header, sizeof(shared::TexelListHeader)))
         .front()
         .listed;
 }

@@ -25,6 +25,8 @@
 #include <lodestar/shading/combine.hpp>
 #include <lodestar/shading/sky.hpp>
 #include <lodestar/upsample/pack_coarse.hpp>
+#include <lodestar/upsample/refine.hpp>
+#include <lodestar/upsample/repair.hpp>
 #include <lodestar/upsample/upsample.hpp>
 #include <lodestar/visibility/expand.hpp>
 #include <lodestar/visibility/fragments.hpp>
@@ -233,9 +235,9 @@ private:
     LightMaps lightMaps;
     gpu::TileList coveredTiles, emptyTiles;  ///< of grid O
     upsample::RepairList repairList;
-    upsample::RefineList refineList;
-    bool listHolds = false;  ///< whether the last frame filled the list
-    bool refines = false;    ///< whether it had a local rate
+    gpu::TexelList termTexels;  ///< of grid S: where the terms are evaluated
+    bool listHolds = false;     ///< whether the last frame filled the list
+    bool refines = false;       ///< whether it had a local rate
     gpu::Buffer viewBuffer, lightBuffer;
     gpu::Image idImage, skyImage, coarseImage, termImage, radianceImage, shownImage, displayImage;
     visibility::Surface surfaces;

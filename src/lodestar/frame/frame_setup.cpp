@@ -162,7 +162,7 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       coveredTiles(owner, room, "covered tiles"),
       emptyTiles(owner, room, "empty tiles"),
       repairList(owner, room),
-      refineList(owner, room),
+      termTexels(owner, room, "term texels"),
       viewBuffer(owner, "view", sizeof(shared::ViewParams), gpu::Residence::mapped),
       lightBuffer(owner, "light", sizeof(shared::LightParams), gpu::Residence::mapped),
       idImage(target(owner, room, vk::Format::eR32Uint, "ids",

@@ -8,32 +8,35 @@
 namespace lodestar::shading {
 namespace {
 
-constexpr std::uint32_t kCode[] =
+constexpr std::uint32_t kTermsCode[] =
+#include <lodestar/shading/terms.comp.inc>
+    ;
+constexpr std::uint32_t kListCode[] =
+#include <lodestar/shading/coarse_list.comp.inc>
+    ;
+constexpr std::uint32_t kCoarseCode[] =
 #include <lodestar/shading/coarse.comp.inc>
     ;
 constexpr std::uint32_t kRepairCode[] =
 #include <lodestar/shading/repair_terms.comp.inc>
     ;
-constexpr std::uint32_t kListedCode[] =
-#include <lodestar/shading/coarse_listed.comp.inc>
-    ;
 
 using gpu::Slot;
+using gpu::Stage;
 
 const std::vector<gpu::SlotArray> kInputSlots{Slot::uniformBuffer, Slot::uniformBuffer,
                                               Slot::sampledImage,  Slot::sampledImage,
                                               Slot::sampledImage,  Slot::storageImage};
 
-gpu::Kernel makeKernel(const gpu::Device& device, const char* name, bool full, bool merge,
-                       bool points) {
+gpu::Kernel makeFull(const gpu::Device& device, const char* name, bool merge, bool points) {
     auto slots = kInputSlots;
     slots.insert(slots.end(), {Slot::sampledImage, Slot::texelBuffer});
     return {device,
             name,
-            kCode,
+            kTermsCode,
             scene::withSceneSlots(slots),
             sizeof(shared::CoarseParams),
-            {full, merge, points}};
+            {merge, points}};
 }
 
 gpu::Kernel makeListed(const gpu::Device& device, const char* name,
@@ -82,29 +85,42 @@ Coarse::Coarse(const gpu::Device& device)
                         .format = vk::Format::eR32G32Sfloat,
                         .extent = {1, 1},
                         .usage = vk::ImageUsageFlagBits::eSampled}),
-      coarse(makeKernel(device, "coarse terms", false, false, false)),
-      full(makeKernel(device, "terms", true, false, false)),
-      fullMerge(makeKernel(device, "some terms", true, true, false)),
-      fullPoints(makeKernel(device, "terms at points", true, false, true)),
+      full(makeFull(device, "terms", false, false)),
+      fullMerge(makeFull(device, "some terms", true, false)),
+      fullPoints(makeFull(device, "terms at points", false, true)),
       repair(makeListed(device, "repair terms", kRepairCode)),
-      listed(makeListed(device, "listed terms", kListedCode)) {}
+      list(device, "list coarse terms", kListCode,
+           {Slot::sampledImage, Slot::storageImage, Slot::storageBuffer, Slot::storageBuffer},
+           sizeof(shared::CoarseParams)),
+      coarse(makeListed(device, "coarse terms", kCoarseCode)) {}
 
 void Coarse::record(gpu::Recorder& rec, const scene::GpuScene& scene, const Inputs& in, Mask terms,
-                    float rate, gpu::View out, std::uint32_t step) const {
-    const auto pass = rec.pass("terms");
+                    float rate, const gpu::TexelList& covered, gpu::View out,
+                    std::uint32_t step) const {
     const vk::Extent2D size = coarseExtent(in.ids.extent, rate);
-    rec.dispatchTiles(coarse, {gpu::groups(size.width, step), gpu::groups(size.height, step)},
-                      nullptr, scene::withScene(scene, withPoints(in, pointSampler, out, noPoints)),
-                      paramsOf(in, rate, terms, step));
+    if (size.width > covered.size.width || size.height > covered.size.height)
+        throw std::invalid_argument("Coarse: the grid is larger than the list's");
+    {
+        const auto pass = rec.pass("list terms");
+        rec.fill(covered.header, 0);
+        rec.barrier(Stage::transfer, Stage::compute);
+        rec.dispatch(
+            list, gpu::groups8x8({gpu::groups(size.width, step), gpu::groups(size.height, step)}),
+            {{in.ids, pointSampler}, out, covered.header, covered.texels},
+            paramsOf(in, rate, terms, step));
+        rec.barrier(Stage::compute, Stage::compute);
+        rec.barrier(Stage::compute, Stage::indirect);
+    }
+    recordListed(rec, scene, in, terms, rate, covered, out);
 }
 
 void Coarse::recordListed(gpu::Recorder& rec, const scene::GpuScene& scene, const Inputs& in,
-                          Mask terms, float rate, const upsample::RefineList& list,
+                          Mask terms, float rate, const gpu::TexelList& listed,
                           gpu::View out) const {
     const auto pass = rec.pass("terms");
     auto all = bindings(in, pointSampler, out);
-    all.insert(all.end(), {list.header, list.listed});
-    rec.dispatchIndirect(listed, list.header, scene::withScene(scene, all),
+    all.insert(all.end(), {listed.header, listed.texels});
+    rec.dispatchIndirect(coarse, listed.header, scene::withScene(scene, all),
                          paramsOf(in, rate, terms));
 }
 

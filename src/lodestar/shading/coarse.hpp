@@ -5,9 +5,9 @@
 
 #include <lodestar/shading/coarse_params.h>
 #include <lodestar/gpu/recorder.hpp>
+#include <lodestar/gpu/texel_list.hpp>
 #include <lodestar/scene/gpu_scene.hpp>
 #include <lodestar/upsample/reconstruct.hpp>
-#include <lodestar/upsample/refine.hpp>
 #include <lodestar/upsample/repair.hpp>
 
 namespace lodestar::shading {
@@ -37,13 +37,15 @@ public:
     /// Which of the terms: bits LS_TERM_…
     using Mask = std::uint32_t;
 
-    /// Writes the part of `coarse` (RGBA32_UINT) that coarseExtent(ids, rate) names.
-    /// With `step` 2 every second texel of every second row alone, for upsample::Refine.
+    /// Writes the part of `coarse` (RGBA32_UINT) that coarseExtent(ids, rate) names. The terms are
+    /// evaluated where it shows a surface: those texels are listed in `covered`. With `step` 2
+    /// every second texel of every second row alone, for upsample::Refine. Passes "list terms",
+    /// "terms".
     void record(gpu::Recorder&, const scene::GpuScene&, const Inputs&, Mask, float rate,
-                gpu::View coarse, std::uint32_t step = 1) const;
-    /// Writes the texels of that grid that are listed. Pass "terms".
+                const gpu::TexelList& covered, gpu::View coarse, std::uint32_t step = 1) const;
+    /// Writes the texels of that grid that are listed, which must show surfaces. Pass "terms".
     void recordListed(gpu::Recorder&, const scene::GpuScene&, const Inputs&, Mask, float rate,
-                      const upsample::RefineList&, gpu::View coarse) const;
+                      const gpu::TexelList&, gpu::View coarse) const;
     /// r = 1: writes the terms of every pixel of O to `terms` (RGBA16_SFLOAT), nothing to upsample.
     /// Channels that the mask lacks keep what they hold; all are written for LS_ALL_TERMS.
     void recordFull(gpu::Recorder&, const scene::GpuScene&, const Inputs&, Mask,
@@ -55,7 +57,7 @@ public:
 private:
     vk::raii::Sampler pointSampler;
     gpu::Image noPoints;  ///< what is bound where there are none
-    gpu::Kernel coarse, full, fullMerge, fullPoints, repair, listed;
+    gpu::Kernel full, fullMerge, fullPoints, repair, list, coarse;
 };
 
 }  // namespace lodestar::shading

@@ -62,9 +62,4 @@ vec4 evaluateTerms(SurfacePoint at, uint terms) {
     return vec4(sunVisibility(at, taps), skyVisibility(at, views), 0.5 + 0.5 * pattern, 0);
 }
 
-/// Where on grid O the centre of a texel of S lies, in pixels: within the picture.
-vec2 centreOf(ivec2 texel, CoarseParams params) {
-    return min((vec2(texel) + 0.5) * params.rate, vec2(params.fullSize) - 0.5);
-}
-
 #endif

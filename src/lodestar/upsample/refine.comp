@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
+#include "../gpu/texel_list_params.h"
 #include "../shared/octahedral.h"
 #include "coarse_texel.glsl"
 #include "refine_params.h"
@@ -12,22 +13,14 @@ layout(binding = 0) uniform sampler2D depth;    // of O
 layout(binding = 1) uniform usampler2D normal;  // of O
 layout(binding = 2) uniform usampler2D coarse;
 layout(binding = 3, rgba32ui) writeonly uniform uimage2D outCoarse;
-layout(binding = 4, scalar) buffer Header { RefineHeader refine; };
-layout(binding = 5, scalar) writeonly buffer List { uint listed[]; };
+layout(binding = 4, scalar) buffer Header { TexelListHeader list; };
+layout(binding = 5, scalar) writeonly buffer Texels { uint texels[]; };
 layout(push_constant, scalar) uniform Push { RefineParams params; };
 
-void list(ivec2 texel) {
-    const uint slot = atomicAdd(refine.listed, 1);
-    if (slot % 64 == 0) atomicAdd(refine.groups[0], 1);
-    listed[slot] = uint(texel.x) | uint(texel.y) << 16;
-}
+#include "../gpu/texel_list.glsl"
 
 void main() {
     const ivec2 first = 2 * ivec2(gl_GlobalInvocationID.xy);
-    if (first == ivec2(0)) {
-        refine.groups[1] = 1;
-        refine.groups[2] = 1;
-    }
     const ivec2 size = ivec2(params.size);
     if (any(greaterThanEqual(first, size))) return;
     const ivec2 last = (size - 1) & ~1;  // that was evaluated
@@ -73,6 +66,6 @@ void main() {
         if (z == 0 || (worst <= params.unlike && spread <= params.spread))
             imageStore(outCoarse, texel, packCoarse(sum / weights, n, z));
         else
-            list(texel);
+            texels[reserveTexels(1)] = packTexel(texel);
     }
 }

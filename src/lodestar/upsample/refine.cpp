@@ -19,14 +19,6 @@ constexpr float kLeastWeight = 0.5f;  // g·g of each neighbour that a texel is 
 
 }  // namespace
 
-RefineList::RefineList(const gpu::Device& device, vk::Extent2D most)
-    : size(most),
-      header(device, "refine: header", sizeof(shared::RefineHeader)),
-      listed(device, "refine: listed", 4ull * most.width * most.height) {
-    if (most.width > 65536 || most.height > 65536)
-        throw std::invalid_argument("RefineList: at most 65536 texels a side");
-}
-
 Refine::Refine(const gpu::Device& device)
     : pointSampler(device.vk(), vk::SamplerCreateInfo{}),
       kernel(device, "refine", kCode,
@@ -35,7 +27,7 @@ Refine::Refine(const gpu::Device& device)
              sizeof(shared::RefineParams)) {}
 
 void Refine::record(gpu::Recorder& rec, const Inputs& in, const Sigmas& sigmas, float spread,
-                    gpu::View coarse, const RefineList& list) const {
+                    gpu::View coarse, const gpu::TexelList& list) const {
     if (!(in.rate >= 1)) throw std::invalid_argument("Refine::Inputs::rate must be at least 1");
     if (!(spread > 0)) throw std::invalid_argument("Refine: spread must be above 0");
     if (in.size.width > list.size.width || in.size.height > list.size.height)
@@ -50,7 +42,7 @@ void Refine::record(gpu::Recorder& rec, const Inputs& in, const Sigmas& sigmas, 
                   {coarse, pointSampler},
                   coarse,
                   list.header,
-                  list.listed},
+                  list.texels},
                  shared::RefineParams{.size = {in.size.width, in.size.height},
                                       .rate = in.rate,
                                       .spread = spread,

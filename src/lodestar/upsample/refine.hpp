@@ -2,19 +2,10 @@
 #pragma once
 
 #include <lodestar/gpu/recorder.hpp>
+#include <lodestar/gpu/texel_list.hpp>
 #include <lodestar/upsample/reconstruct.hpp>
 
 namespace lodestar::upsample {
-
-/// The texels of grid S that are to be evaluated because what lies about them varies.
-struct RefineList {
-    /// For grids S of `most` texels a side at most, no side above 65,536.
-    RefineList(const gpu::Device&, vk::Extent2D most);
-
-    vk::Extent2D size;
-    gpu::Buffer header;  ///< shared::RefineHeader, its first words an indirect dispatch
-    gpu::Buffer listed;  ///< x | y << 16
-};
 
 /// Local rates (Yang et al. 2008 name multi-resolution resizing as future work): of grid S every
 /// second texel of every second row was evaluated, which is a grid of 2r. Where the terms vary
@@ -34,7 +25,7 @@ public:
     /// and indirect. Throws std::invalid_argument for a grid larger than the list's, a rate below 1
     /// or a spread that is not above 0.
     void record(gpu::Recorder&, const Inputs&, const Sigmas&, float spread, gpu::View coarse,
-                const RefineList&) const;
+                const gpu::TexelList&) const;
 
 private:
     vk::raii::Sampler pointSampler;

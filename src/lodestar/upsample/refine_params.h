@@ -4,12 +4,6 @@
 #include "../shared/types.h"
 LS_NAMESPACE_BEGIN
 
-/// Texels of S to evaluate.
-struct RefineHeader {
-    uint groups[3];  // of 64 threads
-    uint listed;
-};
-
 struct RefineParams {
     uvec2 size;          // of S
     float rate;          // r
