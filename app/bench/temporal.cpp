@@ -30,6 +30,8 @@ constexpr std::size_t kJudged = 3;                            // last frames of 
 constexpr float kAnimatedFrom = 1;                            // seconds
 constexpr std::uint32_t kFine = 4;  // samples a pixel of the truth, along each axis
 
+constexpr std::size_t kPanFrames = 80;  // of a course's path, however many are run
+
 /// What the camera, the scene and S do over a run.
 struct Course {
     const char* name;
@@ -158,7 +160,7 @@ CourseResult runCourse(Stage& stage, const Course& course) {
     stage.native->reset();
     const std::size_t judgedFrom = stage.frames - kJudged;
     for (std::size_t i = 0; i < stage.frames; ++i) {
-        const scene::Camera camera = path->at(stage.camera, i, 4 * stage.frames);
+        const scene::Camera camera = path->at(stage.camera, i, kPanFrames);
         if (course.animates) session.gpuScene->animate(kAnimatedFrom + static_cast<float>(i) / 60);
         const bool judged = i >= judgedFrom, before = i + 1 >= judgedFrom;
         const float s = course.scales[i % course.scales.size()];
@@ -257,8 +259,7 @@ Result<void> measureScene(const BenchCase& what, const BenchOptions& options, Be
     frame::FrameSettings settings = options.settings;
     settings.maxScale = 1;
     settings.temporal.mode = TemporalMode::off;
-    Stage stage{
-        .session = &session, .camera = camera, .frames = std::min<std::size_t>(options.frames, 40)};
+    Stage stage{.session = &session, .camera = camera, .frames = options.frames};
     const vk::Extent2D size = settings.size;
     settings.size = vk::Extent2D{size.width * kFine, size.height * kFine};
     stage.fine.emplace(device, *session.gpuScene, settings);
@@ -381,8 +382,8 @@ Bench temporalBench() {
                     {"scene", "path", "s", "method", "frame_ms", "joining_ms", "psnr_db",
                      "supersampled_psnr_db", "native_supersampled_psnr_db", "best_spatial_psnr_db",
                      "flicker", "uncovered_pixels", "uncovered_error_ratio"}}},
-        .onCpu = Scope{{384, 216}, 1, 20},
-        .onGpu = Scope{{1280, 720}, 1, 40}};
+        .onCpu = Scope{{384, 216}, 1, 64},
+        .onGpu = Scope{{1280, 720}, 1, 64}};
 }
 
 }  // namespace lodestar::app

@@ -29,6 +29,7 @@ const float kLayerFades = 0.5;      // a frame: beside its edge it still passes 
 const float kTravelled = 2;         // added to the layer's share in the guide: it travels
 const float kCovers = 0.03;         // relative, by which something nearer covers
 const float kLeaves = 8;            // halvings of the memory, a pixel that what covers moves by
+const float kSlope = 1.5;
 const float kMovingFalloff = 0.5;   // of the kernel's, where few frames are left to fill it
 
 /// What the texel and its four neighbours show: what a place in the history must be one of.
@@ -55,7 +56,8 @@ bool anyTravels(vec4 motion_[5]) {
     return most > 1e-4;
 }
 
-Around lookAround(vec4 motion_[5], ivec2 texel, vec2 off, vec2 step, float falloff) {
+Around lookAround(vec4 motion_[5], ivec2 texel, vec2 off, vec2 step, float falloff,
+                  mat2x3 slope) {
     Around a;
     a.motion = motion_;
     a.sunLow = 1;
@@ -72,7 +74,7 @@ Around lookAround(vec4 motion_[5], ivec2 texel, vec2 off, vec2 step, float fallo
         a.low = min(a.low, color);
         a.high = max(a.high, color);
         const vec2 d = off + vec2(kSteps[i]) / step;
-        a.gathered += exp2(-falloff * dot(d, d)) * vec4(color, 1);
+        a.gathered += exp2(-falloff * dot(d, d)) * vec4(color - slope * d, 1);
     }
     return a;
 }
@@ -138,6 +140,15 @@ vec4 sharpHistory(vec2 at, vec2 texelSize) {
     return sum / weights;
 }
 
+/// How the history changes along x and y [per pixel], steeper as edges are within a pixel.
+mat2x3 slopeOfHistory(vec2 at, vec2 texelSize) {
+    const vec3 left = textureLod(history, (at - vec2(1, 0)) * texelSize, 0).rgb;
+    const vec3 right = textureLod(history, (at + vec2(1, 0)) * texelSize, 0).rgb;
+    const vec3 above = textureLod(history, (at - vec2(0, 1)) * texelSize, 0).rgb;
+    const vec3 below = textureLod(history, (at + vec2(0, 1)) * texelSize, 0).rgb;
+    return kSlope * 0.5 * mat2x3(right - left, below - above);
+}
+
 void main() {
     const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
     if (any(greaterThanEqual(pixel, ivec2(params.size)))) return;
@@ -149,17 +160,19 @@ void main() {
     vec4 motions[5];
     for (int i = 0; i < 5; ++i) motions[i] = texelFetch(motion, stepFrom(texel, i), 0);
     const bool travels = anyTravels(motions);
-    const Around around =
-        lookAround(motions, texel, off, step, params.falloff * (travels ? kMovingFalloff : 1));
-    const vec4 moved = around.motion[0];
-    const float weight = around.gathered.w;
-    const float sun = texelFetch(terms, texel, 0).x;
-
     // The place in the history, and which of the 2×2 texels about it show what is seen here.
+    const vec4 moved = motions[0];
     const vec2 outSize = vec2(params.size);
     const vec2 place = (vec2(pixel) + 0.5) + moved.xy * outSize;
     const bool inPicture = all(greaterThanEqual(place, vec2(0))) && all(lessThan(place, outSize));
     const vec2 safe = clamp(place, vec2(0.5), outSize - 0.5);
+    mat2x3 slope = mat2x3(0);
+    if (params.known != 0 && !travels) slope = slopeOfHistory(safe, 1 / outSize);
+    const Around around = lookAround(motions, texel, off, step,
+                                     params.falloff * (travels ? kMovingFalloff : 1), slope);
+    const float weight = around.gathered.w;
+    const float sun = texelFetch(terms, texel, 0).x;
+
     const vec2 base = floor(safe - 0.5), f = safe - 0.5 - base;
     vec4 loose = vec4(0);
     float matched = 0, sunThen = 0, layerThen = 0;

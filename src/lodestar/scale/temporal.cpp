@@ -23,6 +23,9 @@ using gpu::Slot;
 using gpu::Stage;
 using Usage = vk::ImageUsageFlagBits;
 
+/// What stands still leaves no ghost, however long it is remembered.
+constexpr float kStillMemory = 8;
+
 TemporalOptions checked(const TemporalOptions& o) {
     const auto within = [](float value, float most) { return value >= 0 && value <= most; };
     if (o.mode == TemporalMode::off)
@@ -188,7 +191,7 @@ void Temporal::recordOurs(gpu::Recorder& rec, const Inputs& in, gpu::View output
                                    .jitter = in.jitter,
                                    .size = {size.width, size.height},
                                    .falloff = 1.44269504f / (2 * options.width * options.width),
-                                   .memory = options.memory,
+                                   .memory = options.memory * (in.moved ? 1 : kStillMemory),
                                    .known = known,
                                    .moved = in.moved,
                                    .layered = in.layer != nullptr});
