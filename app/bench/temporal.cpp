@@ -30,6 +30,7 @@ constexpr std::size_t kJudged = 3;                            // last frames of 
 constexpr float kAnimatedFrom = 1;                            // seconds
 constexpr std::uint32_t kFine = 4;  // samples a pixel of the truth, along each axis
 
+constexpr std::size_t kTimedRuns = 9, kTimedFrames = 20;  // of a course on which S changes
 constexpr std::size_t kPanFrames = 80;  // of a course's path, however many are run
 
 /// What the camera, the scene and S do over a run.
@@ -135,12 +136,30 @@ quality::RgbImage reduced(const quality::RgbImage& large) {
     return small;
 }
 
+/// The longest frame of a run of our mode over the median one. Of each frame the median of many
+/// runs: what it costs more than another, not what else the machine did.
+double longestFrame(Stage& stage, const Course& course) {
+    frame::Frame& frame = *stage.methods[std::size_t(TemporalMode::lodestar)];
+    std::vector<std::vector<double>> runs(kTimedFrames);
+    for (std::size_t run = 0; run < kTimedRuns; ++run) {
+        frame.reset();
+        for (std::size_t i = 0; i < kTimedFrames; ++i) {
+            const float s = course.scales[i % course.scales.size()];
+            runs[i].push_back(frame.render(stage.camera, {.renderScale = s}).gpuMs);
+        }
+    }
+    std::vector<double> medians;
+    for (const auto& run : runs) medians.push_back(median(run));
+    return *std::max_element(medians.begin(), medians.end()) / median(medians);
+}
+
 struct CourseResult {
     std::array<Joined, kModes> methods;
     double bestSpatialDb = 0;      ///< of all filters without noise, on the last frame
     std::vector<double> nativeDb;  ///< of the native picture against the truth
     std::size_t uncovered = 0;
     quality::RgbImage full;
+    double longest = NAN;  ///< frame of our mode / its median, where S changes
 };
 
 CourseResult runCourse(Stage& stage, const Course& course) {
@@ -212,6 +231,7 @@ CourseResult runCourse(Stage& stage, const Course& course) {
                 std::max(result.bestSpatialDb, quality::psnr(fine, stage.filters->picture()));
         }
     }
+    if (course.scales.size() > 1) result.longest = longestFrame(stage, course);
     return result;
 }
 
@@ -227,27 +247,26 @@ void addRows(const CourseResult& run, const Course& course, const BenchCase& wha
         const Joined& joined = run.methods[m];
         const double ms = median(joined.frameMs);
         const double alone = run.methods[0].uncoveredError;
-        rows.push_back(
-            {{"measures", "temporal"},
-             {"scene", fs::path(what.scene).filename().string()},
-             {"camera", what.camera},
-             {"width", options.view.size.width},
-             {"height", options.view.size.height},
-             {"path", course.name},
-             {"s", std::round(100.0 * double{course.scales.front()}) / 100},
-             {"method", m == 0 ? "none" : std::string(scale::kTemporalNames[m])},
-             {"frames", joined.frameMs.size() + 2},
-             {"frame_ms", ms},
-             {"frame_max_ms", *std::max_element(joined.frameMs.begin(), joined.frameMs.end())},
-             {"joining_ms", median(joined.passMs)},
-             {"psnr_db", finiteOrNull(mean(joined.psnr))},
-             {"supersampled_psnr_db", finiteOrNull(mean(joined.supersampled))},
-             {"native_supersampled_psnr_db", finiteOrNull(mean(run.nativeDb))},
-             {"best_spatial_psnr_db", finiteOrNull(run.bestSpatialDb)},
-             {"flicker", finiteOrNull(mean(joined.flicker))},
-             {"uncovered_pixels", run.uncovered},
-             {"uncovered_error_ratio",
-              finiteOrNull(alone > 0 ? joined.uncoveredError / alone : NAN)}});
+        rows.push_back({{"measures", "temporal"},
+                        {"scene", fs::path(what.scene).filename().string()},
+                        {"camera", what.camera},
+                        {"width", options.view.size.width},
+                        {"height", options.view.size.height},
+                        {"path", course.name},
+                        {"s", std::round(100.0 * double{course.scales.front()}) / 100},
+                        {"method", m == 0 ? "none" : std::string(scale::kTemporalNames[m])},
+                        {"frames", joined.frameMs.size() + 2},
+                        {"frame_ms", ms},
+                        {"longest_frame_ratio", finiteOrNull(m + 1 == kModes ? run.longest : NAN)},
+                        {"joining_ms", median(joined.passMs)},
+                        {"psnr_db", finiteOrNull(mean(joined.psnr))},
+                        {"supersampled_psnr_db", finiteOrNull(mean(joined.supersampled))},
+                        {"native_supersampled_psnr_db", finiteOrNull(mean(run.nativeDb))},
+                        {"best_spatial_psnr_db", finiteOrNull(run.bestSpatialDb)},
+                        {"flicker", finiteOrNull(mean(joined.flicker))},
+                        {"uncovered_pixels", run.uncovered},
+                        {"uncovered_error_ratio",
+                         finiteOrNull(alone > 0 ? joined.uncoveredError / alone : NAN)}});
     }
 }
 
@@ -361,7 +380,7 @@ std::vector<Bar> barsOf(const Json& rows) {
             const Json* still = rowOf(rows, row, "still", s, "lodestar");
             const double loss =
                 numberOrInfinity(*still, "supersampled_psnr_db") - number("supersampled_psnr_db");
-            const double hitch = number("frame_max_ms") / number("frame_ms");
+            const double hitch = number("longest_frame_ratio");
             bars.push_back(
                 {"loss when S changes every frame" + place, loss, "dB", "<= 0.5", loss <= 0.5});
             bars.push_back({"longest frame / median" + place, hitch, "x", "<= 1.5", hitch <= 1.5});

@@ -24,13 +24,14 @@ const float kApart = 0.5;           // pixels by which neighbours may move other
 const float kSunSlack = 0.15;       // change of the sun's share that is shading that moves
 const float kShiny = 0.4;           // roughness below which reflections are seen to move
 const float kEnough = 1;            // weight of samples that need no reconstruction beside them
-const float kMovingMemory = 0.12;   // of the memory, where resampling blurs it
+const float kMovingMemory = 0.25;   // of the memory, where resampling blurs it
 const float kLayerFades = 0.5;      // a frame: beside its edge it still passes for what is here
 const float kTravelled = 2;         // added to the layer's share in the guide: it travels
 const float kCovers = 0.03;         // relative, by which something nearer covers
-const float kLeaves = 8;            // halvings of the memory, a pixel that what covers moves by
-const float kSlope = 1.5;
-const float kMovingFalloff = 0.5;   // of the kernel's, where few frames are left to fill it
+const float kLeaves = 16;           // halvings of the memory, a pixel that what covers moves by
+const float kSlope = 1.5;           // of differences over two pixels: edges are steeper
+const float kLatitude = 0.25;       // of the span of colours that is allowed beyond it
+const float kMovingFalloff = 0.75;   // of the kernel's, where few frames are left to fill it
 
 /// What the texel and its four neighbours show: what a place in the history must be one of.
 struct Around {
@@ -38,6 +39,7 @@ struct Around {
     float sunLow, sunHigh;
     vec3 low, high;
     vec4 gathered;  // rgb times weight, weight: by their distances to the pixel's centre
+    vec2 offset;    // from there [pixels], times weight
 };
 
 const ivec2 kSteps[5] = ivec2[](ivec2(0), ivec2(-1, 0), ivec2(1, 0), ivec2(0, -1), ivec2(0, 1));
@@ -56,8 +58,7 @@ bool anyTravels(vec4 motion_[5]) {
     return most > 1e-4;
 }
 
-Around lookAround(vec4 motion_[5], ivec2 texel, vec2 off, vec2 step, float falloff,
-                  mat2x3 slope) {
+Around lookAround(vec4 motion_[5], ivec2 texel, vec2 off, vec2 step, float falloff) {
     Around a;
     a.motion = motion_;
     a.sunLow = 1;
@@ -65,6 +66,7 @@ Around lookAround(vec4 motion_[5], ivec2 texel, vec2 off, vec2 step, float fallo
     a.low = vec3(1);
     a.high = vec3(0);
     a.gathered = vec4(0);
+    a.offset = vec2(0);
     for (int i = 0; i < 5; ++i) {
         const ivec2 at = stepFrom(texel, i);
         const float sun = texelFetch(terms, at, 0).x;
@@ -74,7 +76,9 @@ Around lookAround(vec4 motion_[5], ivec2 texel, vec2 off, vec2 step, float fallo
         a.low = min(a.low, color);
         a.high = max(a.high, color);
         const vec2 d = off + vec2(kSteps[i]) / step;
-        a.gathered += exp2(-falloff * dot(d, d)) * vec4(color - slope * d, 1);
+        const float w = exp2(-falloff * dot(d, d));
+        a.gathered += w * vec4(color, 1);
+        a.offset += w * d;
     }
     return a;
 }
@@ -140,7 +144,7 @@ vec4 sharpHistory(vec2 at, vec2 texelSize) {
     return sum / weights;
 }
 
-/// How the history changes along x and y [per pixel], steeper as edges are within a pixel.
+/// How the history changes along x and y [per pixel].
 mat2x3 slopeOfHistory(vec2 at, vec2 texelSize) {
     const vec3 left = textureLod(history, (at - vec2(1, 0)) * texelSize, 0).rgb;
     const vec3 right = textureLod(history, (at + vec2(1, 0)) * texelSize, 0).rgb;
@@ -166,10 +170,8 @@ void main() {
     const vec2 place = (vec2(pixel) + 0.5) + moved.xy * outSize;
     const bool inPicture = all(greaterThanEqual(place, vec2(0))) && all(lessThan(place, outSize));
     const vec2 safe = clamp(place, vec2(0.5), outSize - 0.5);
-    mat2x3 slope = mat2x3(0);
-    if (params.known != 0 && !travels) slope = slopeOfHistory(safe, 1 / outSize);
-    const Around around = lookAround(motions, texel, off, step,
-                                     params.falloff * (travels ? kMovingFalloff : 1), slope);
+    const Around around =
+        lookAround(motions, texel, off, step, params.falloff * (travels ? kMovingFalloff : 1));
     const float weight = around.gathered.w;
     const float sun = texelFetch(terms, texel, 0).x;
 
@@ -206,6 +208,9 @@ void main() {
     }
     const bool kept = params.known != 0 && inPicture && matched > 0.02;
     const vec4 sharp = sharpHistory(safe, 1 / outSize);
+    // The samples as they would be at the pixel's centre: where they fell by chance evens out.
+    vec3 gathered = around.gathered.rgb;
+    if (kept && all4) gathered -= slopeOfHistory(safe, 1 / outSize) * around.offset;
     vec4 before = all4 ? sharp : loose / max(matched, 1e-3);
     before.rgb = clamp(before.rgb, vec3(0), vec3(1));
     sunThen /= max(own, 1e-3);
@@ -222,15 +227,18 @@ void main() {
     const float layerNow = params.layered != 0 ? texelFetch(layer, texel, 0).x : 0;
     const float ofLayer = params.moved != 0 ? max(layerNow, layerThen) : 0;
     const bool layerMoved = ofLayer > 0.004;
-    if (travels || travelled || shadowMoved || reflectionMoved || layerMoved)
-        before.rgb = clamp(before.rgb, around.low, around.high);
+    if (travels || travelled || shadowMoved || reflectionMoved || layerMoved) {
+        const float beyond = shadowMoved || layerMoved ? 0 : kLatitude;
+        const vec3 latitude = beyond * (around.high - around.low);
+        before.rgb = clamp(before.rgb, around.low - latitude, around.high + latitude);
+    }
 
     const float memory = params.memory * (travels ? kMovingMemory : 1) * (1 - ofLayer) *
                          exp2(-kLeaves * apartOf(around) * covered);
     // Until samples have gathered, this frame's own reconstruction stands for those to come.
     const float old = kept ? min(max(before.a, 0), memory) : 0;
     const float ahead = max(kEnough - old, 0);
-    const vec3 sum = (kept ? before.rgb * old : vec3(0)) + around.gathered.rgb +
+    const vec3 sum = (kept ? before.rgb * old : vec3(0)) + gathered +
                      (ahead > 0 ? edgeAdaptiveAt(at) * ahead : vec3(0));
     const vec4 joined = vec4(sum / (old + weight + ahead), old + weight);
     imageStore(outHistory, pixel, joined);
