@@ -222,7 +222,7 @@ LS_NAMESPACE_END
     VISIT(p.upsample.size) VISIT(p.upsample.fullSize) VISIT(p.upsample.inverseRate) VISIT(p.upsample.depthFalloff) \
     VISIT(p.upsample.normalFalloff) VISIT(p.upsample.terms) VISIT(p.upsample.repairAbove) VISIT(p.upsample.repairSpread) \
     LS_VISIT_3(VISIT, p.repair.groups) VISIT(p.repair.listed) VISIT(p.repair.kept) \
-    VISIT(p.repair.cut) LS_VISIT_BINS_16(VISIT, p.repair.bins, 0) \
+    VISIT(p.repair.cut) VISIT(p.repair.partOf) LS_VISIT_BINS_16(VISIT, p.repair.bins, 0) \
     LS_VISIT_BINS_16(VISIT, p.repair.bins, 16) LS_VISIT_BINS_16(VISIT, p.repair.bins, 32) \
     LS_VISIT_BINS_16(VISIT, p.repair.bins, 48) VISIT(p.repairSelect.most) \
     LS_VISIT_3(VISIT, p.texelListHeader.groups) VISIT(p.texelListHeader.listed) \

@@ -115,6 +115,7 @@ lodestar_shaders(lodestar
     upsample/pack_coarse.comp
     upsample/refine.comp
     upsample/repair_compact.comp
+    upsample/repair_count.comp
     upsample/repair_cut.comp
     upsample/upsample.comp
     post/dof_blur.comp

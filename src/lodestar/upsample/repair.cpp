@@ -5,6 +5,11 @@
 namespace lodestar::upsample {
 namespace {
 
+constexpr std::uint32_t kWorkgroups = 32;  // that walk a list
+
+constexpr std::uint32_t kCountCode[] =
+#include <lodestar/upsample/repair_count.comp.inc>
+    ;
 constexpr std::uint32_t kCutCode[] =
 #include <lodestar/upsample/repair_cut.comp.inc>
     ;
@@ -31,7 +36,8 @@ RepairList::RepairList(const gpu::Device& device, vk::Extent2D extent)
       kept(device, "repair: kept", 4 * pixels(extent)) {}
 
 RepairSelect::RepairSelect(const gpu::Device& device)
-    : cut(device, "repair cut", kCutCode, {Slot::storageBuffer},
+    : count(device, "repair count", kCountCode, {Slot::storageBuffer, Slot::storageBuffer}),
+      cut(device, "repair cut", kCutCode, {Slot::storageBuffer},
           sizeof(shared::RepairSelectParams)),
       compact(device, "repair compact", kCompactCode,
               {Slot::storageBuffer, Slot::storageBuffer, Slot::storageBuffer}) {}
@@ -45,9 +51,11 @@ void RepairSelect::record(gpu::Recorder& rec, const RepairList& list, float shar
     if (!(share >= 0 && share <= 1)) throw std::invalid_argument("RepairSelect: share is 0 … 1");
     const auto pass = rec.pass("select repair");
     const auto most = static_cast<std::uint32_t>(share * static_cast<float>(pixels(list.size)));
+    rec.dispatch(count, {kWorkgroups, 1, 1}, {list.header, list.listed});
+    rec.barrier(Stage::compute, Stage::compute);
     rec.dispatch(cut, {1, 1, 1}, {list.header}, shared::RepairSelectParams{most});
     rec.barrier(Stage::compute, Stage::compute);
-    rec.dispatch(compact, {32, 1, 1}, {list.header, list.listed, list.kept});
+    rec.dispatch(compact, {kWorkgroups, 1, 1}, {list.header, list.listed, list.kept});
     rec.barrier(Stage::compute, Stage::compute);
     rec.barrier(Stage::compute, Stage::indirect);
 }

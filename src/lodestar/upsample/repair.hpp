@@ -16,8 +16,8 @@ struct RepairList {
     gpu::Buffer kept;    ///< indices of the pixels kept
 };
 
-/// Keeps of the listed pixels the worst, whole bins of them, so that the choice does not depend on
-/// the order in which they were listed.
+/// Keeps of the listed pixels the worst: whole bins of them and of one bin some, drawn by lot, so
+/// that the choice does not depend on the order in which they were listed.
 class RepairSelect {
 public:
     explicit RepairSelect(const gpu::Device&);
@@ -29,7 +29,7 @@ public:
     void record(gpu::Recorder&, const RepairList&, float share) const;
 
 private:
-    gpu::Kernel cut, compact;
+    gpu::Kernel count, cut, compact;
 };
 
 }  // namespace lodestar::upsample

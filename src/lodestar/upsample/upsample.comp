@@ -72,12 +72,31 @@ vec4 mostLikeInDepth(uvec4 taps[16], float wx[4], float wy[4], float z, float pe
     return most * most * params.depthFalloff <= 4.5 * 1.44269504 ? mean : best;
 }
 
-/// Adds the pixel to the list of those to be shaded anew, the worse the higher its bin: how far
-/// off it may be is how far the taps that make it lie apart.
-void listForRepair(uint index, float spread) {
-    const uint bin = uint(clamp(spread * float(LS_REPAIR_BINS), 0, float(LS_REPAIR_BINS) - 1));
-    atomicAdd(repair.bins[bin], 1);
-    listed[atomicAdd(repair.listed, 1)] = index | bin << LS_REPAIR_INDEX_BITS;
+const float kNoRepair = -1;
+const float kQuiteUnlike = 12;  // times the unlikeness from which on taps are unlike a pixel
+
+/// How much a pixel wants to be evaluated anew, 0 … 1, or kNoRepair. First come those that no tap
+/// is like, which may hold anything: more so the further the taps lie apart, and a little the less
+/// like it they are. Then those whose taps are like it and disagree.
+float repairRank(bool unlike, float least, float spread) {
+    if (unlike)
+        return 0.5 + 0.4 * spread + 0.1 * min(least / (kQuiteUnlike * params.repairAbove), 1);
+    return spread > params.repairSpread ? 0.5 * spread : kNoRepair;
+}
+
+shared uint found, first;
+
+/// Adds the pixels of the workgroup to the list, of the higher bins the higher their rank.
+void listForRepair(uint index, float rank) {
+    if (gl_LocalInvocationIndex == 0) found = 0;
+    barrier();
+    const bool wanted = rank >= 0;
+    const uint slot = wanted ? atomicAdd(found, 1) : 0;
+    barrier();
+    if (gl_LocalInvocationIndex == 0 && found > 0) first = atomicAdd(repair.listed, found);
+    barrier();
+    const uint bin = uint(clamp(rank * float(LS_REPAIR_BINS), 0, float(LS_REPAIR_BINS) - 1));
+    if (wanted) listed[first + slot] = index | bin << LS_REPAIR_INDEX_BITS;
 }
 
 void write(ivec2 pixel, vec4 values) {
@@ -88,11 +107,8 @@ void write(ivec2 pixel, vec4 values) {
     imageStore(terms, pixel, values);
 }
 
-void main() {
-    const ivec2 pixel = pixelOfThread(tiles);
-    const ivec2 fullSize = ivec2(params.fullSize);
-    if (any(greaterThanEqual(pixel, fullSize))) return;
-
+/// Writes the pixel. Its repairRank.
+float reconstruct(ivec2 pixel) {
     // x̂: the pixel's centre in texels of S, texel centres at integers.
     const vec2 at = (vec2(pixel) + 0.5) * params.inverseRate - 0.5;
     const bool odd = (kTaps & 1) == 1;
@@ -129,7 +145,7 @@ void main() {
     }
     if (kDomain == LS_DOMAIN_NEAREST_DEPTH && kRange != 0) {
         write(pixel, mostLikeInDepth(taps, wx, wy, z, perZ));
-        return;
+        return kNoRepair;
     }
     // Where no tap is like the pixel any of them may be wrong; else those that weigh may disagree.
     const bool unlike = least > params.repairAbove;
@@ -151,10 +167,14 @@ void main() {
     }
     write(pixel, sum / weights);
 
-    if (kRepair != 0) {
-        const vec3 apart = high - low;
-        const float spread = max(apart.x, max(apart.y, apart.z));
-        if (z > 0 && (unlike || spread > params.repairSpread))
-            listForRepair(uint(pixel.y * fullSize.x + pixel.x), max(spread, 0));
-    }
+    if (kRepair == 0 || z == 0) return kNoRepair;
+    const vec3 apart = high - low;
+    return repairRank(unlike, least, clamp(max(apart.x, max(apart.y, apart.z)), 0, 1));
+}
+
+void main() {
+    const ivec2 pixel = pixelOfThread(tiles);
+    float rank = kNoRepair;
+    if (all(lessThan(pixel, ivec2(params.fullSize)))) rank = reconstruct(pixel);
+    if (kRepair != 0) listForRepair(uint(pixel.y * int(params.fullSize.x) + pixel.x), rank);
 }

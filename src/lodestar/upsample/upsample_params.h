@@ -25,12 +25,13 @@ struct UpsampleParams {
     float repairSpread;   // nor taps that lie no further apart than this
 };
 
-/// Pixels whose taps are all unlike them or disagree, worse ones in higher bins.
+/// Pixels whose taps are all unlike them or disagree, those that want it more in higher bins.
 struct RepairHeader {
     uint groups[3];  // of 64 threads, for the pixels kept
     uint listed;
     uint kept;
-    uint cut;  // bins from here on are kept
+    uint cut;     // bins from here on are kept
+    uint partOf;  // and of the one below as large a share as this is of 2³²
     uint bins[LS_REPAIR_BINS];
 };
 
