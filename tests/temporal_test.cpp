@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // Pictures joined over time.
+#include <map>
+
 #include <glm/gtc/packing.hpp>
 
 #include <lodestar/frame/frame.hpp>
@@ -123,6 +125,45 @@ TEST_F(TemporalTest, theHistoryIsKeptWhenTheScaleOfAnAxisChanges) {
         EXPECT_EQ(device().allocatedBytes(), bytes);
         EXPECT_GE(quality::psnr(before, pictureOf(device(), frame)), 40) << other.x;
     }
+}
+
+/// The level of detail of each instance that the last picture listed.
+std::map<std::uint32_t, std::uint32_t> levelsOf(const gpu::Device& device,
+                                                const scene::GpuScene& scene, const Frame& frame) {
+    const geometry::DrawList& list = frame.drawList();
+    const auto counts = gpu::as<shared::CullCounts>(
+        gpu::readBuffer(device, list.counts, sizeof(shared::CullCounts)))[0];
+    const auto clusters = gpu::as<shared::GpuCluster>(gpu::readBuffer(
+        device, scene.clusters.buffer(),
+        sizeof(shared::GpuCluster) *
+            (list.table + std::size_t{counts.lists[shared::LS_LIST_CLUSTERS].count})));
+    std::map<std::uint32_t, std::uint32_t> levels;
+    for (std::size_t c = list.table; c < clusters.size(); ++c)
+        if (clusters[c].triangleCount > 0) levels[clusters[c].instance] = clusters[c].lod;
+    return levels;
+}
+
+TEST_F(TemporalTest, levelsOfDetailDoNotFollowTheScale) {
+    scene::Scene row = small_scenes::single(
+        small_scenes::parts::patch(small_scenes::parts::sphere(0.5), 48, 24, {1, 1}));
+    row.instances.clear();
+    for (int i = 0; i < 12; ++i)
+        small_scenes::place(
+            row, 0, glm::translate(glm::mat4(1), {float(i % 4) - 1.5f, 0, -2.0f * float(i)}));
+    const scene::GpuScene balls(device(), row, {}, {.simplify = true});
+    const Camera from{.eye = {0, 2, 6}, .at = {0, 0, -10}};
+    const auto levelsAt = [&](TemporalMode mode, float scale) {
+        FrameSettings s = settings(mode);
+        s.cull = geometry::CullMode::frustum;
+        s.lod = {.mode = geometry::LodChoice::Mode::error, .errorPx = 1, .distances = {}};
+        Frame frame(device(), balls, s);
+        frame.render(from, {.renderScale = scale});
+        return levelsOf(device(), balls, frame);
+    };
+    const auto whole = levelsAt(TemporalMode::lodestar, 1);
+    EXPECT_EQ(whole.size(), 12u);
+    EXPECT_EQ(levelsAt(TemporalMode::lodestar, 0.5f), whole);
+    EXPECT_NE(levelsAt(TemporalMode::off, 0.5f), whole) << "it would show";
 }
 
 /// Sixteen samples a pixel: of edges a pixel apart four are no reference.

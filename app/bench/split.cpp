@@ -140,7 +140,8 @@ Bench splitBench() {
             .bars = barsOf,
             .tables = {{"split",
                         {"scene", "method", "budget_share", "shadow_r", "ao_r", "noise_r", "repair",
-                         "frame_ms", "of_full", "psnr_db"}}}};
+                         "frame_ms", "of_full", "psnr_db"}}},
+            .onCpu = Scope{{640, 360}, 3, 0}};
 }
 
 }  // namespace lodestar::app

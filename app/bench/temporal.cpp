@@ -30,6 +30,7 @@ constexpr std::size_t kJudged = 3;                            // last frames of 
 constexpr float kAnimatedFrom = 1;                            // seconds
 constexpr std::uint32_t kFine = 4;  // samples a pixel of the truth, along each axis
 
+constexpr std::size_t kEnoughUncovered = 20;              // pixels whose error says something
 constexpr std::size_t kTimedRuns = 9, kTimedFrames = 20;  // of a course on which S changes
 constexpr std::size_t kPanFrames = 80;  // of a course's path, however many are run
 
@@ -371,7 +372,9 @@ std::vector<Bar> barsOf(const Json& rows) {
             const double gain = number("supersampled_psnr_db") - number("best_spatial_psnr_db");
             bars.push_back({"over the best spatial filter" + place, gain, "dB", ">= 3", gain >= 3});
         }
-        if ((path == "pan" || path == "moving") && !row.at("uncovered_error_ratio").is_null()) {
+        // Of a pixel or two nothing follows.
+        if (row.at("uncovered_pixels") >= kEnoughUncovered &&
+            !row.at("uncovered_error_ratio").is_null()) {
             const double ratio = number("uncovered_error_ratio");
             bars.push_back({"error where uncovered / without history, " + path + place, ratio, "x",
                             "<= 1.05", ratio <= 1.05});

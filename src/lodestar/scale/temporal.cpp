@@ -24,7 +24,7 @@ using gpu::Stage;
 using Usage = vk::ImageUsageFlagBits;
 
 /// What stands still leaves no ghost, however long it is remembered.
-constexpr float kStillMemory = 8;
+constexpr float kStillMemory = 4;
 
 TemporalOptions checked(const TemporalOptions& o) {
     const auto within = [](float value, float most) { return value >= 0 && value <= most; };
