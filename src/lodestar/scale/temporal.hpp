@@ -27,8 +27,10 @@ struct TemporalOptions {
     /// source: share of the frame before that a pixel of motion takes away; its K
     float k = 0.5f;
     // lodestar:
-    float width = 0.35f;     ///< σ of the kernel that weighs samples [pixels of the output]
-    float memory = 12;       ///< most weight of the history; a sample at a pixel's centre weighs 1
+    float width = 0.35f;  ///< σ of the kernel that weighs samples [pixels of the output]
+    /// most weight of the history, where a sample at a pixel's centre weighs 1: a quarter of it
+    /// where a pixel travels, four times as much while nothing moves
+    float memory = 12;
     float sharpness = 0.1f;  ///< 0 = none
 };
 
