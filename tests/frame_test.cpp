@@ -143,9 +143,10 @@ TEST_F(FrameTest, everyPassIsTimed) {
     };
     const std::string capture = device().hasInt64Atomics() ? "cull, cull triangles, capture, ids, "
                                                            : "cull, cull triangles, capture, ";
-    EXPECT_EQ(namesAt(2),
-              "cull, cull triangles, shadow map, cull, cull triangles, sky map, " + capture +
-                  "list tiles, background, rebuild, terms, upsample, combine, tonemap, ");
+    EXPECT_EQ(
+        namesAt(2),
+        "cull, cull triangles, shadow map, cull, cull triangles, sky map, " + capture +
+            "list tiles, background, rebuild, list terms, terms, upsample, combine, tonemap, ");
     // The depth maps of an unmoved scene are kept.
     EXPECT_EQ(namesAt(1), capture + "list tiles, background, rebuild, terms, combine, tonemap, ");
 }
