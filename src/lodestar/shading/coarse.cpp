@@ -102,6 +102,8 @@ void Coarse::record(gpu::Recorder& rec, const scene::GpuScene& scene, const Inpu
         throw std::invalid_argument("Coarse: the grid is larger than the list's");
     {
         const auto pass = rec.pass("list terms");
+        rec.barrier(Stage::compute, Stage::transfer);  // the list may be in use for another rate
+        rec.barrier(Stage::indirect, Stage::transfer);
         rec.fill(covered.header, 0);
         rec.barrier(Stage::transfer, Stage::compute);
         rec.dispatch(

@@ -33,6 +33,8 @@ void Refine::record(gpu::Recorder& rec, const Inputs& in, const Sigmas& sigmas, 
     if (in.size.width > list.size.width || in.size.height > list.size.height)
         throw std::invalid_argument("Refine: the grid is larger than the list's");
     const auto pass = rec.pass("refine");
+    rec.barrier(Stage::compute, Stage::transfer);  // the list may be in use
+    rec.barrier(Stage::indirect, Stage::transfer);
     rec.fill(list.header, 0);
     rec.barrier(Stage::transfer, Stage::compute);
     const vk::Extent2D cells{(in.size.width + 1) / 2, (in.size.height + 1) / 2};
