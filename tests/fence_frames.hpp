@@ -35,14 +35,18 @@ inline Scene fence() {
 inline const Camera kView{.eye = {0.3f, 1.6f, 5}, .at = {0, 1, 0}, .verticalFov = 0.8f};
 
 struct Rig {
-    Scene source = fence();
+    Scene source;
     scene::GpuScene onGpu;
     Frame frame;
     const gpu::Device& device;
 
     explicit Rig(const gpu::Device& owner,
-                 FrameSettings settings = {.size = {160, 96}, .shadowMapSize = 512})
-        : onGpu(owner, source), frame(owner, onGpu, settings), device(owner) {}
+                 FrameSettings settings = {.size = {160, 96}, .shadowMapSize = 512},
+                 Scene shown = fence())
+        : source(std::move(shown)),
+          onGpu(owner, source),
+          frame(owner, onGpu, settings),
+          device(owner) {}
 
     std::vector<glm::vec4> terms(const Levers& levers) {
         frame.render(kView, levers);

@@ -49,6 +49,48 @@ TEST_F(RepairTest, capIsKeptTheWorstGoFirstAndTheChoiceIsReproducible) {
     EXPECT_GT(gain / kept, 0.8 * most / all);
 }
 
+/// The lattice, floor and wall twice, side by side: white on the left and black on the right.
+Scene whiteAndBlack() {
+    small_scenes::SceneBuilder builder("white and black");
+    for (const float corner : {-4.0f, 0.0f}) {
+        const float shade = corner < 0 ? 0.8f : 0.0f;
+        const std::uint32_t material =
+            builder.add(scene::Material{.baseColor = {shade, shade, shade, 1},
+                                        .metallic = 0,
+                                        .roughness = 1,
+                                        .doubleSided = true});
+        const auto add = [&](const char* name, glm::vec3 at, glm::vec3 a, glm::vec3 b) {
+            builder.place(builder.add(
+                name,
+                small_scenes::parts::patch(small_scenes::parts::rectangle(at, a, b), 1, 1, {1, 1}),
+                material));
+        };
+        add("floor", {corner, 0, -4}, {0, 0, 8}, {4, 0, 0});
+        add("wall", {corner, 0, -4}, {4, 0, 0}, {0, 4, 0});
+        for (int i = 0; i < 6; ++i)
+            add("bar", {corner + 0.7f + 0.5f * float(i), 0, 1}, {0.03f, 0, 0}, {0, 2, 0});
+    }
+    return std::move(builder).finish();
+}
+
+TEST_F(RepairTest, pixelsThatTheTermsHardlyMoveComeLast) {
+    Rig rig(device(), {.size = {160, 96}, .shadowMapSize = 512}, whiteAndBlack());
+    const auto coarse = rig.terms({.shadingRate = 6});
+    const auto changedHalves = [&](float cap) {
+        const auto values = rig.terms({.shadingRate = 6, .repair = cap});
+        std::array<std::size_t, 2> halves{};
+        for (std::size_t i = 0; i < values.size(); ++i)
+            halves[i % 160 / 80] += values[i] != coarse[i];
+        return halves;
+    };
+    const auto all = changedHalves(1);
+    ASSERT_GT(all[0], 50u);
+    ASSERT_GT(all[1], 50u) << "black ones are listed too";
+    const auto half = changedHalves(0.5f * float(rig.frame.repairedPixels()) / (160 * 96));
+    EXPECT_GT(half[0], 0.7 * double(all[0]));
+    EXPECT_LT(half[1], 0.2 * double(all[1]));
+}
+
 TEST_F(RepairTest, eachTermHasItsOwnRate) {
     Rig rig(device(), {.size = {160, 96}, .shadowMapSize = 512, .noiseOctaves = 3});
     const auto full = rig.terms({});

@@ -34,6 +34,7 @@ add_library(lodestar STATIC
     shading/coarse.cpp
     shading/combine.cpp
     shading/layer.cpp
+    shading/weigh_repair.cpp
     upsample/pack_coarse.cpp
     upsample/refine.cpp
     upsample/repair.cpp
@@ -112,6 +113,7 @@ lodestar_shaders(lodestar
     shading/layer_resolve.comp
     shading/repair_terms.comp
     shading/terms.comp
+    shading/weigh_repair.comp
     upsample/pack_coarse.comp
     upsample/refine.comp
     upsample/repair_compact.comp

@@ -24,6 +24,7 @@
 #include <lodestar/shading/coarse.hpp>
 #include <lodestar/shading/combine.hpp>
 #include <lodestar/shading/sky.hpp>
+#include <lodestar/shading/weigh_repair.hpp>
 #include <lodestar/upsample/pack_coarse.hpp>
 #include <lodestar/upsample/refine.hpp>
 #include <lodestar/upsample/repair.hpp>
@@ -226,6 +227,7 @@ private:
     upsample::Upsample upsample;
     upsample::Refine refine;
     upsample::RepairSelect repairSelect;
+    shading::WeighRepair weighRepair;
     shading::Combine combine;
     post::Tonemap tonemap;
     scale::Spatial spatial;

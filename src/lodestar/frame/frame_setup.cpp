@@ -146,6 +146,7 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       upsample(owner, s.reconstruct),
       refine(owner),
       repairSelect(owner),
+      weighRepair(owner),
       combine(owner, gpuScene.features()),
       tonemap(owner),
       spatial(owner),

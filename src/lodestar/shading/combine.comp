@@ -6,6 +6,7 @@
 #include "brdf.glsl"
 #include "combine_params.h"
 #include "sky.glsl"
+#include "terms_effect.glsl"
 
 // The cheap, detailed shading at full resolution, joined with the reconstructed terms: one thread a
 // pixel of grid O.
@@ -29,15 +30,6 @@ layout(push_constant, scalar) uniform Push { CombineParams params; };
 
 layout(constant_id = 2) const uint kPunctualLights = 1;
 layout(constant_id = 3) const uint kPoints = 0;  // 1: at `points`, not at the centres of pixels
-
-// Share of the sky's light that comes from where the sky is hidden: the albedo of walls that see
-// the sky themselves.
-const float kBounced = 0.3;
-
-/// What the procedural pattern does to the albedo.
-float veins(float pattern) {
-    return light.noiseOctaves == 0 ? 1 : mix(0.15, 1.0, smoothstep(0.3, 0.7, pattern));
-}
 
 /// Unshadowed point and spot lights, with the falloff of KHR_lights_punctual.
 vec3 punctual(Surface s, vec3 position) {
@@ -76,7 +68,7 @@ void main() {
     const vec2 roughMetal = unpackUnorm4x8(material.y).xy;
     const vec4 term = texelFetch(terms, pixel, 0);
     const vec2 visible = term.xy;
-    const vec3 base = albedo.rgb * albedo.rgb * veins(term.z);
+    const vec3 base = albedo.rgb * albedo.rgb * (light.noiseOctaves == 0 ? 1 : veins(term.z));
     const Surface s = makeSurface(base, roughMetal.x, roughMetal.y,
                                   unpackNormal(material.z), -direction);
 
@@ -90,8 +82,7 @@ void main() {
         return;
     }
 
-    // Where the sky is hidden, what hides it sends back some of the light it gets.
-    const float fromSky = albedo.a * mix(kBounced, 1, visible.y) * (1 - term.w);
+    const float fromSky = albedo.a * fromSkyThatIs(visible.y) * (1 - term.w);
     const vec3 mirrored = environmentReflectance(s);
     vec3 radiance = reflected(s, light.toSun) * light.sunIlluminance * visible.x;
     radiance += (1 - mirrored) * s.diffuse * skyIrradiance(light.irradiance, s.normal) *
