@@ -14,6 +14,10 @@ namespace lodestar::frame {
 using gpu::Stage;
 using Usage = vk::ImageUsageFlagBits;
 
+// A pixel's samples together are a box of its size; the tents that mip-mapping blends are wider.
+// With gradients this much smaller a texture looks most as 64 shaded samples a pixel show it.
+constexpr glm::vec2 kTextureScale{0.6f};
+
 /// Captured, compacted and rebuilt in one go.
 gpu::FrameTimes Frame::renderSamples(const scene::Camera& camera, const budget::Levers& levers) {
     if (!samples) {
@@ -67,7 +71,8 @@ gpu::FrameTimes Frame::rebuildAntialiased(const visibility::CompactRecord& from,
     const auto shadeAt = [&](const gpu::View& ids, const gpu::View& points,
                              const visibility::Surface& surface, const gpu::View& terms,
                              const gpu::View& radiance) {
-        rebuildPass.record(rec, *scene, {ids, viewBuffer, points, options.size}, surface);
+        rebuildPass.record(rec, *scene, {ids, viewBuffer, points, options.size, kTextureScale},
+                           surface);
         coarse.recordFull(
             rec, *scene,
             {ids, lightMaps.sunMap(), lightMaps.skyMaps(), viewBuffer, lightBuffer, points},
