@@ -24,6 +24,9 @@ using budget::Term;
 constexpr std::array kRates{1.5f, 2.0f, 3.0f, 5.0f, 8.0f};  // at which each term is measured
 // A frame that holds the budget but for the clock's noise is not passed over.
 constexpr double kOver = 1.02;
+// The model may err by this much: what it puts so far over the budget is measured too.
+constexpr double kDoubtful = 1.12;
+constexpr int kFinalRounds = 5;
 
 std::array<bool, kTerms> presentTerms(const frame::FrameSettings& settings) {
     return {settings.shadowTaps > 0, settings.skyViews > 0, settings.noiseOctaves > 0};
@@ -164,11 +167,19 @@ Tuning chooseSplit(const gpu::Device& device, frame::Frame& frame,
     Tuning tuning{terms.fullMs, targetMs, terms.samples, terms.model, {}, 0, {}};
     // The model is a model: its favourites are rendered, and the pictures decide. Full quality is
     // one of them where the budget is above it.
-    const auto favourites = budget::bestSplits(terms.model, targetMs, options.finalists);
+    auto favourites = budget::bestSplits(terms.model, targetMs, options.finalists);
     std::vector<Split> splits;
     for (const budget::RatedSplit& one : favourites) splits.push_back(one.split);
+    for (const auto& one :
+         budget::bestSplits(terms.model, kDoubtful * targetMs, options.finalists)) {
+        if (std::find(splits.begin(), splits.end(), one.split) != splits.end()) continue;
+        favourites.push_back(one);
+        splits.push_back(one.split);
+    }
+    TuneOptions patient = options;
+    patient.rounds = std::max(options.rounds, kFinalRounds);
     const auto measured =
-        measureSplits(device, frame, cameras, splits, options, "measuring the best splits");
+        measureSplits(device, frame, cameras, splits, patient, "measuring the best splits");
     for (std::size_t i = 0; i < measured.size(); ++i)
         tuning.finalists.push_back({favourites[i], measured[i].ms, psnrOfMse(measured[i].mse)});
     const auto holds = [&](const Finalist& f) { return f.ms <= kOver * targetMs; };

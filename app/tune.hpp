@@ -17,7 +17,9 @@ struct TuneOptions {
     float repair = 0;           ///< tried beside none at all
     float localRate = 0;        ///< Levers::localRate of all that is measured
     int rounds = 3;             ///< times each split is rendered; the median counts
-    std::size_t finalists = 6;  ///< splits that the model likes best, measured before one is taken
+    /// Splits that the model likes best, within the budget and within a little more: all are
+    /// measured before one is taken.
+    std::size_t finalists = 6;
 };
 
 /// A split that was rendered: what the model said, and what it was.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include <fmt/format.h>
 
@@ -20,6 +21,8 @@ using budget::Split;
 constexpr std::array kBudgets{0.65, 0.55, 0.45};  // of the full-quality frame
 constexpr std::array kHandRates{1.0f, 2.0f, 4.0f, 8.0f};
 constexpr double kMostBehindDb = 0.3;
+constexpr double kSlower = 1.15;  // of a time that may be noise
+constexpr std::size_t kRivals = 12;
 
 /// All three terms at once, or there would be nothing to split.
 frame::FrameSettings withAllTerms(frame::FrameSettings settings) {
@@ -60,6 +63,38 @@ Json rowOf(const BenchCase& what, const BenchOptions& options, const budget::Spl
             {"psnr_db", finiteOrNull(psnrOfMse(sample.mse))}};
 }
 
+/// Of those made by hand, which may take no longer than the automatic one and be better: those of
+/// least error among the ones that were at most a little slower.
+std::vector<budget::SplitSample> rivalsOf(const budget::SplitSample& automatic,
+                                          std::span<const budget::SplitSample> hands) {
+    std::vector<budget::SplitSample> rivals;
+    for (const budget::SplitSample& hand : hands)
+        if (hand.ms <= kSlower * automatic.ms) rivals.push_back(hand);
+    std::sort(rivals.begin(), rivals.end(),
+              [](const auto& a, const auto& b) { return a.mse < b.mse; });
+    rivals.resize(std::min(rivals.size(), kRivals));
+    return rivals;
+}
+
+/// The rival of least error that takes no longer. Of 134 noisy times the least are so by luck:
+/// rivals and the automatic one are measured anew, in turn. Where all of them take longer, the
+/// fastest.
+budget::SplitSample bestOf(const std::vector<budget::SplitSample>& rivals,
+                           const budget::SplitSample& automatic, const gpu::Device& device,
+                           frame::Frame& frame, const scene::Camera& camera,
+                           const TuneOptions& tuning) {
+    std::vector<Split> splits{automatic.split};
+    for (const budget::SplitSample& rival : rivals) splits.push_back(rival.split);
+    const auto measured =
+        measureSplits(device, frame, {camera}, splits, tuning, "measuring its rivals again");
+    const double most = measured.front().ms;
+    return *std::min_element(measured.begin() + 1, measured.end(),
+                             [&](const auto& a, const auto& b) {
+                                 if ((a.ms <= most) != (b.ms <= most)) return a.ms <= most;
+                                 return a.ms <= most ? a.mse < b.mse : a.ms < b.ms;
+                             });
+}
+
 Result<void> measureScene(const BenchCase& what, const BenchOptions& options, BenchResult& result) {
     auto opened = openCase(what, options);
     if (!opened) return tl::unexpected(opened.error());
@@ -82,15 +117,12 @@ Result<void> measureScene(const BenchCase& what, const BenchOptions& options, Be
     for (std::size_t i = 0; i < measured.size(); ++i)
         result.rows.push_back(rowOf(what, options, measured[i], i < hands ? "by hand" : "automatic",
                                     i < hands ? 0 : kBudgets[i - hands], fullMs));
-    // The best by hand that takes no longer than each automatic one.
     for (std::size_t i = hands; i < measured.size(); ++i) {
-        const budget::SplitSample* best = nullptr;
-        for (std::size_t h = 0; h < hands; ++h)
-            if (measured[h].ms <= measured[i].ms && (!best || measured[h].mse < best->mse))
-                best = &measured[h];
-        if (best)
-            result.rows.push_back(
-                rowOf(what, options, *best, "best by hand", kBudgets[i - hands], fullMs));
+        const auto rivals = rivalsOf(measured[i], std::span(measured).first(hands));
+        if (rivals.empty()) continue;
+        result.rows.push_back(rowOf(
+            what, options, bestOf(rivals, measured[i], *session.device, frame, camera, tuning),
+            "best by hand", kBudgets[i - hands], fullMs));
     }
     if (!result.report.device) {
         describeDevice(session, result.report);
@@ -141,7 +173,7 @@ Bench splitBench() {
             .tables = {{"split",
                         {"scene", "method", "budget_share", "shadow_r", "ao_r", "noise_r", "repair",
                          "frame_ms", "of_full", "psnr_db"}}},
-            .onCpu = Scope{{640, 360}, 3, 0}};
+            .onCpu = Scope{{640, 360}, 9, 0}};
 }
 
 }  // namespace lodestar::app
