@@ -14,9 +14,9 @@ namespace lodestar::app {
 
 struct TuneOptions {
     budget::Budget budget{budget::Budget::Kind::relative, 0.5};
-    float repair = 0;           ///< tried beside none at all
-    float localRate = 0;        ///< Levers::localRate of all that is measured
-    int rounds = 3;             ///< times each split is rendered; the median counts
+    float repair = 0;     ///< tried beside none at all
+    float localRate = 0;  ///< Levers::localRate of all that is measured
+    int rounds = 3;       ///< times each split is rendered; the median counts
     /// Splits that the model likes best, within the budget and within a little more: all are
     /// measured before one is taken.
     std::size_t finalists = 6;
