@@ -23,6 +23,7 @@
 #include "lodestar/shading/combine_params.h"
 #include "lodestar/shading/layer_params.h"
 #include "lodestar/shading/light_params.h"
+#include "lodestar/shading/weigh_repair_params.h"
 #include "lodestar/upsample/refine_params.h"
 #include "lodestar/upsample/upsample_params.h"
 #include "lodestar/visibility/capture_compute_params.h"
@@ -73,6 +74,7 @@ struct AllParams {
     UpsampleParams upsample;
     RepairHeader repair;
     RepairSelectParams repairSelect;
+    WeighRepairParams weighRepair;
     TexelListHeader texelListHeader;
     RefineParams refine;
     TonemapParams tonemap;
@@ -225,6 +227,7 @@ LS_NAMESPACE_END
     VISIT(p.repair.cut) VISIT(p.repair.partOf) LS_VISIT_BINS_16(VISIT, p.repair.bins, 0) \
     LS_VISIT_BINS_16(VISIT, p.repair.bins, 16) LS_VISIT_BINS_16(VISIT, p.repair.bins, 32) \
     LS_VISIT_BINS_16(VISIT, p.repair.bins, 48) VISIT(p.repairSelect.most) \
+    VISIT(p.weighRepair.fullSize) VISIT(p.weighRepair.terms) \
     LS_VISIT_3(VISIT, p.texelListHeader.groups) VISIT(p.texelListHeader.listed) \
     VISIT(p.refine.size) VISIT(p.refine.rate) VISIT(p.refine.spread) \
     VISIT(p.refine.depthFalloff) VISIT(p.refine.normalFalloff) VISIT(p.refine.unlike) \

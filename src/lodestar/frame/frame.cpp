@@ -374,7 +374,7 @@ void Frame::evaluateTerms(const budget::Levers& levers) {
     listHolds = repairing && toRepair != 0;
     if (!listHolds) return;
     rec.barrier(Stage::compute, Stage::compute);
-    weighRepair.record(rec, {viewBuffer, lightBuffer, surfaces.material}, toRepair, repairList);
+    weighRepair.record(rec, {viewBuffer, lightBuffer, material()}, toRepair, repairList);
     repairSelect.record(rec, repairList, levers.repair);
     coarse.recordRepair(rec, *scene, inputs, toRepair, repairList, termImage);
 }
