@@ -3,6 +3,7 @@
 // Smith masking (Heitz 2014) and Schlick's Fresnel.
 #ifndef LS_BRDF_GLSL
 #define LS_BRDF_GLSL
+#include "../shared/octahedral.h"
 
 struct Surface {
     vec3 diffuse;   // albedo of the diffuse lobe, which gets what is not reflected
@@ -13,7 +14,13 @@ struct Surface {
     float nDotV;
 };
 
-Surface makeSurface(vec3 albedo, float roughness, float metallic, vec3 normal, vec3 toEye) {
+/// Of a texel of the material image, whose albedo is multiplied by `pattern`.
+Surface surfaceOf(uvec4 material, float pattern, vec3 toEye) {
+    const vec3 rootOfAlbedo = unpackUnorm4x8(material.x).rgb;
+    const vec3 albedo = rootOfAlbedo * rootOfAlbedo * pattern;
+    const vec2 roughMetal = unpackUnorm4x8(material.y).xy;
+    const float roughness = roughMetal.x, metallic = roughMetal.y;
+    const vec3 normal = unpackNormal(material.z);
     Surface s;
     s.diffuse = albedo * (1 - metallic);
     s.f0 = mix(vec3(0.04), albedo, metallic);
@@ -50,6 +57,13 @@ vec3 environmentReflectance(Surface s) {
     const float a004 = min(r.x * r.x, exp2(-9.28 * s.nDotV)) * r.x + r.y;
     const vec2 ab = vec2(-1.04, 1.04) * a004 + r.zw;
     return s.f0 * ab.x + ab.y;
+}
+
+/// What a surface sends to the eye of a sky: `irradiance` that comes to it, and the `seen` radiance
+/// in the direction that it mirrors.
+vec3 reflectedSky(Surface s, vec3 irradiance, vec3 seen) {
+    const vec3 mirrored = environmentReflectance(s);
+    return (1 - mirrored) * s.diffuse * irradiance / 3.14159265 + mirrored * seen;
 }
 
 #endif

@@ -65,12 +65,10 @@ void main() {
     const float depth = texelFetch(surfaceDepth, pixel, 0).x;
     const uvec4 material = texelFetch(surfaceMaterial, pixel, 0);
     const vec4 albedo = unpackUnorm4x8(material.x);  // a: occlusion
-    const vec2 roughMetal = unpackUnorm4x8(material.y).xy;
     const vec4 term = texelFetch(terms, pixel, 0);
     const vec2 visible = term.xy;
-    const vec3 base = albedo.rgb * albedo.rgb * (light.noiseOctaves == 0 ? 1 : veins(term.z));
-    const Surface s = makeSurface(base, roughMetal.x, roughMetal.y,
-                                  unpackNormal(material.z), -direction);
+    const Surface s =
+        surfaceOf(material, light.noiseOctaves == 0 ? 1 : veins(term.z), -direction);
 
     // The sky is looked up once: past the surfaces, or mirrored in one.
     const bool hit = depth > 0;
@@ -83,11 +81,8 @@ void main() {
     }
 
     const float fromSky = albedo.a * fromSkyThatIs(visible.y) * (1 - term.w);
-    const vec3 mirrored = environmentReflectance(s);
     vec3 radiance = reflected(s, light.toSun) * light.sunIlluminance * visible.x;
-    radiance += (1 - mirrored) * s.diffuse * skyIrradiance(light.irradiance, s.normal) *
-                (fromSky / 3.14159265);
-    radiance += seen * mirrored * fromSky;
+    radiance += reflectedSky(s, skyIrradiance(light.irradiance, s.normal), seen) * fromSky;
     if (kPunctualLights != 0) radiance += light.perLux * punctual(s, view.eye + ray * depth);
     if (kEmissive != 0) radiance += light.perLux * texelFetch(surfaceEmissive, pixel, 0).rgb;
     // Unlit surfaces show the colour they were given: alpha 0 keeps the tone curve off them.

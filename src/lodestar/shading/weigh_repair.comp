@@ -32,16 +32,12 @@ float shown(vec3 radiance) {
 float reachOfTerms(ivec2 pixel) {
     const uvec4 material = texelFetch(surfaceMaterial, pixel, 0);
     if ((material.y >> 16 & LS_MATERIAL_UNLIT) != 0) return 0;
-    const vec4 albedo = unpackUnorm4x8(material.x);  // a: occlusion
-    const vec2 roughMetal = unpackUnorm4x8(material.y).xy;
     const vec2 ndc = (vec2(pixel) + 0.5) / vec2(params.fullSize) * 2 - 1;
-    const Surface s = makeSurface(albedo.rgb * albedo.rgb, roughMetal.x, roughMetal.y,
-                                  unpackNormal(material.z), -normalize(rayThrough(view, ndc)));
+    const Surface s = surfaceOf(material, 1, -normalize(rayThrough(view, ndc)));
     const vec3 sun = reflected(s, light.toSun) * light.sunIlluminance;
-    const vec3 mirrored = environmentReflectance(s);
-    const vec3 sky = ((1 - mirrored) * s.diffuse * skyIrradiance(light.irradiance, s.normal) +
-                      mirrored * skyIrradiance(light.irradiance, reflect(-s.toEye, s.normal))) *
-                     (albedo.a / 3.14159265);
+    const vec3 mirrored = skyIrradiance(light.irradiance, reflect(-s.toEye, s.normal)) / 3.14159265;
+    const float open = unpackUnorm4x8(material.x).a;
+    const vec3 sky = open * reflectedSky(s, skyIrradiance(light.irradiance, s.normal), mirrored);
     const vec3 most = sun + sky;
     const bool shadow = (params.terms & LS_TERM_SHADOW) != 0 && light.shadowTaps > 0;
     const bool occlusion = (params.terms & LS_TERM_AO) != 0 && light.skyViewCount > 0;

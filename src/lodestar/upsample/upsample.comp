@@ -84,19 +84,10 @@ float repairRank(bool unlike, float least, float spread) {
     return spread > params.repairSpread ? 0.5 * spread : kNoRepair;
 }
 
-shared uint found, first;
-
-/// Adds the pixels of the workgroup to the list, of the higher bins the higher their rank.
+/// Adds a pixel to the list, of the higher bins the higher its rank.
 void listForRepair(uint index, float rank) {
-    if (gl_LocalInvocationIndex == 0) found = 0;
-    barrier();
-    const bool wanted = rank >= 0;
-    const uint slot = wanted ? atomicAdd(found, 1) : 0;
-    barrier();
-    if (gl_LocalInvocationIndex == 0 && found > 0) first = atomicAdd(repair.listed, found);
-    barrier();
     const uint bin = uint(clamp(rank * float(LS_REPAIR_BINS), 0, float(LS_REPAIR_BINS) - 1));
-    if (wanted) listed[first + slot] = index | bin << LS_REPAIR_INDEX_BITS;
+    listed[atomicAdd(repair.listed, 1)] = index | bin << LS_REPAIR_INDEX_BITS;
 }
 
 void write(ivec2 pixel, vec4 values) {
@@ -150,7 +141,7 @@ float reconstruct(ivec2 pixel) {
     // Where no tap is like the pixel any of them may be wrong; else those that weigh may disagree.
     const bool unlike = least > params.repairAbove;
     const float relevant = unlike ? 3e38 : least + 2;
-    vec3 low = vec3(3e38), high = vec3(-3e38);
+    float low = 3e38, high = -3e38;
     vec4 sum = vec4(0);
     float weights = 0;
     for (int j = 0; j < kTaps * kTaps; ++j) {
@@ -158,8 +149,9 @@ float reconstruct(ivec2 pixel) {
         float w = wx[j % kTaps] * wy[j / kTaps];
         if (kRepair != 0) {
             const bool counts = e[j] <= relevant && w >= 0.05;
-            low = counts ? min(low, values.xyz) : low;
-            high = counts ? max(high, values.xyz) : high;
+            const float light = values.x + values.y + values.z;  // each makes a pixel brighter
+            low = min(low, counts ? light : 3e38);
+            high = max(high, counts ? light : -3e38);
         }
         if (kRange != 0) w *= exp2(clamp(least - e[j], -126.0, 0.0));
         sum += w * values;
@@ -168,13 +160,12 @@ float reconstruct(ivec2 pixel) {
     write(pixel, sum / weights);
 
     if (kRepair == 0 || z == 0) return kNoRepair;
-    const vec3 apart = high - low;
-    return repairRank(unlike, least, clamp(max(apart.x, max(apart.y, apart.z)), 0, 1));
+    return repairRank(unlike, least, clamp(high - low, 0, 1));
 }
 
 void main() {
     const ivec2 pixel = pixelOfThread(tiles);
-    float rank = kNoRepair;
-    if (all(lessThan(pixel, ivec2(params.fullSize)))) rank = reconstruct(pixel);
-    if (kRepair != 0) listForRepair(uint(pixel.y * int(params.fullSize.x) + pixel.x), rank);
+    if (any(greaterThanEqual(pixel, ivec2(params.fullSize)))) return;
+    const float rank = reconstruct(pixel);
+    if (rank >= 0) listForRepair(uint(pixel.y * int(params.fullSize.x) + pixel.x), rank);
 }
