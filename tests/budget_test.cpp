@@ -1,4 +1,5 @@
 // SPDX-License-Identifier: Apache-2.0
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -281,6 +282,26 @@ TEST(YangController, aSlowMachineIsNoNewLoadAndAHeavierSceneIs) {
     EXPECT_EQ(controller.rate(), before);
     for (int i = 0; i < 4; ++i) controller.next(frame(controller.rate(), 35, 1));
     EXPECT_GT(controller.rate(), before);
+}
+
+TEST(YangController, aCameraThatComesNearIsNoSlowMachine) {
+    // Everything costs 1.7 times as much within twenty frames, and no less again later.
+    const Load near = [](int i) {
+        const double part =
+            std::clamp((i - 100) / 20.0, 0.0, 1.0) - std::clamp((i - 150) / 20.0, 0.0, 1.0);
+        const double more = 1 + 0.7 * part;
+        return CostModel{70 * more, 30 * more};
+    };
+    for (unsigned seed = 1; seed <= 20; ++seed) {
+        SCOPED_TRACE(seed);
+        YangController controller({.targetMs = 60, .k = 70});
+        const Trace run =
+            tail(simulate(controller, 60, near, {.noise = 0.03, .seed = seed}, 200).actual, 100);
+        double most = 0;
+        for (const TraceFrame& frame : run.frames()) most = std::max(most, frame.ms);
+        EXPECT_LT(most, 1.27 * 60);
+        EXPECT_GT(run.shareWithin(0.15, 0), 0.85);
+    }
 }
 
 TEST(YangController, aMachineThatStaysSlowIsFollowed) {
