@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <map>
+#include <string>
 
 #include <fmt/format.h>
 
@@ -24,19 +26,48 @@ using budget::Term;
 constexpr std::array kRates{1.5f, 2.0f, 3.0f, 5.0f, 8.0f};  // at which each term is measured
 // A frame that holds the budget but for the clock's noise is not passed over.
 constexpr double kOver = 1.02;
-// The model may err by this much: what it puts so far over the budget is measured too.
-constexpr double kDoubtful = 1.12;
+// The model may err by this much: what it puts so far over or under the budget is measured too.
+constexpr double kDoubtful = 1.1;
 constexpr int kFinalRounds = 5;
 
 std::array<bool, kTerms> presentTerms(const frame::FrameSettings& settings) {
     return {settings.shadowTaps > 0, settings.skyViews > 0, settings.noiseOctaves > 0};
 }
 
+/// The times of some frames of one kind, pass by pass: a burst of the machine's falls on one or two
+/// passes of a frame, and on others of the next.
+class PassMedians {
+public:
+    void add(const gpu::FrameTimes& frame) {
+        double rest = frame.gpuMs;
+        std::map<std::string, double> sums;  // a pass may come twice
+        for (const gpu::PassTime& pass : frame.passes) {
+            sums[pass.name] += pass.ms;
+            rest -= pass.ms;
+        }
+        sums[""] = rest;
+        for (const auto& [name, ms] : sums) passes[name].push_back(ms);
+    }
+    double ms(const std::string& name) const {
+        const auto found = passes.find(name);
+        return found == passes.end() ? 0 : budget::median(found->second);
+    }
+    double frameMs() const {
+        double sum = 0;
+        for (const auto& [name, times] : passes) sum += budget::median(times);
+        return sum;
+    }
+
+private:
+    std::map<std::string, std::vector<double>> passes;
+};
+
 double mseOf(double psnrDb) {
     return std::isinf(psnrDb) ? 0 : 255.0 * 255 / std::pow(10, psnrDb / 10);
 }
 
-/// Full quality, each term coarse by itself at every rate, and all of them together.
+/// Full quality, each term coarse by itself at every rate, all of them together, and each at a rate
+/// of its own.
 std::vector<Split> splitsToMeasure(const std::array<bool, kTerms>& present, float repair) {
     std::vector<Split> splits{{}};
     for (const float share : {0.0f, repair}) {
@@ -55,6 +86,12 @@ std::vector<Split> splitsToMeasure(const std::array<bool, kTerms>& present, floa
                 if (present[i]) split.rates[i] = rate;
             if (std::find(splits.begin(), splits.end(), split) == splits.end())
                 splits.push_back(split);
+        }
+        for (const auto& rates : {budget::TermRates{2, 3, 5}, budget::TermRates{5, 2, 3}}) {
+            Split split{.repair = share};
+            for (std::size_t i = 0; i < kTerms; ++i)
+                if (present[i]) split.rates[i] = rates[i];
+            splits.push_back(split);
         }
     }
     return splits;
@@ -121,7 +158,7 @@ std::vector<budget::SplitSample> measureSplits(const gpu::Device& device, frame:
                                                const std::vector<Split>& splits,
                                                const TuneOptions& options, const char* what) {
     std::vector<budget::SplitSample> samples;
-    for (const Split& split : splits) samples.push_back({split, 0, 0});
+    for (const Split& split : splits) samples.push_back({.split = split});
     const double weight = 1 / static_cast<double>(cameras.size());
     const auto rounds = static_cast<std::size_t>(options.rounds);
     Progress bar(what, splits.size() * cameras.size() * rounds);
@@ -129,20 +166,22 @@ std::vector<budget::SplitSample> measureSplits(const gpu::Device& device, frame:
     for (const scene::Camera& camera : cameras) {
         frame.render(camera, {});
         const quality::RgbImage reference = readDisplay(device, frame);
-        std::vector<std::vector<double>> times(splits.size());
+        std::vector<PassMedians> times(splits.size());
         // In turn, so that whatever else the machine does falls on all alike.
         for (std::size_t round = 0; round < rounds; ++round)
             for (std::size_t i = 0; i < splits.size(); ++i) {
                 budget::Levers levers = budget::leversOf(splits[i]);
                 levers.localRate = options.localRate;
-                times[i].push_back(frame.render(camera, levers).gpuMs);
+                times[i].add(frame.render(camera, levers));
                 bar.update(++done);
                 if (round > 0) continue;
                 samples[i].mse +=
                     weight * mseOf(quality::psnr(reference, readDisplay(device, frame)));
             }
-        for (std::size_t i = 0; i < splits.size(); ++i)
-            samples[i].ms += weight * budget::median(times[i]);
+        for (std::size_t i = 0; i < splits.size(); ++i) {
+            samples[i].ms += weight * times[i].frameMs();
+            samples[i].termsMs += weight * (times[i].ms("terms") + times[i].ms("repair"));
+        }
     }
     return samples;
 }
@@ -156,31 +195,34 @@ Result<TermSamples> measureTerms(const gpu::Device& device, frame::Frame& frame,
     auto samples = measureSplits(device, frame, cameras, splitsToMeasure(present, options.repair),
                                  options, "measuring each term");
     const budget::SplitModel model(samples, present);
-    const double fullMs = samples.front().ms;
-    return TermSamples{std::move(samples), model, fullMs};
+    return TermSamples{std::move(samples), model};
 }
 
 Tuning chooseSplit(const gpu::Device& device, frame::Frame& frame,
                    const std::vector<scene::Camera>& cameras, const TuneOptions& options,
                    const TermSamples& terms) {
-    const double targetMs = options.budget.targetMs(terms.fullMs);
-    Tuning tuning{terms.fullMs, targetMs, terms.samples, terms.model, {}, 0, {}};
+    // What full quality takes all samples know better than the one of it.
+    const double expectedMs = options.budget.targetMs(terms.model.fullMs());
     // The model is a model: its favourites are rendered, and the pictures decide. Full quality is
     // one of them where the budget is above it.
-    auto favourites = budget::bestSplits(terms.model, targetMs, options.finalists);
+    std::vector<budget::RatedSplit> favourites;
     std::vector<Split> splits;
-    for (const budget::RatedSplit& one : favourites) splits.push_back(one.split);
-    for (const auto& one :
-         budget::bestSplits(terms.model, kDoubtful * targetMs, options.finalists)) {
-        if (std::find(splits.begin(), splits.end(), one.split) != splits.end()) continue;
-        favourites.push_back(one);
-        splits.push_back(one.split);
-    }
+    for (const double part : {1.0, kDoubtful, 1 / kDoubtful})
+        for (const auto& one :
+             budget::bestSplits(terms.model, part * expectedMs, options.finalists)) {
+            if (std::find(splits.begin(), splits.end(), one.split) != splits.end()) continue;
+            favourites.push_back(one);
+            splits.push_back(one.split);
+        }
+    // A machine's speed changes: what a share of full quality is, is measured among them.
+    splits.push_back({});
     TuneOptions patient = options;
     patient.rounds = std::max(options.rounds, kFinalRounds);
     const auto measured =
         measureSplits(device, frame, cameras, splits, patient, "measuring the best splits");
-    for (std::size_t i = 0; i < measured.size(); ++i)
+    const double fullMs = measured.back().ms, targetMs = options.budget.targetMs(fullMs);
+    Tuning tuning{fullMs, targetMs, terms.samples, terms.model, {}, 0, {}};
+    for (std::size_t i = 0; i < favourites.size(); ++i)
         tuning.finalists.push_back({favourites[i], measured[i].ms, psnrOfMse(measured[i].mse)});
     const auto holds = [&](const Finalist& f) { return f.ms <= kOver * targetMs; };
     const auto better = [&](const Finalist& a, const Finalist& b) {

@@ -17,9 +17,9 @@ struct TuneOptions {
     float repair = 0;     ///< tried beside none at all
     float localRate = 0;  ///< Levers::localRate of all that is measured
     int rounds = 3;       ///< times each split is rendered; the median counts
-    /// Splits that the model likes best, within the budget and within a little more: all are
-    /// measured before one is taken.
-    std::size_t finalists = 6;
+    /// Splits that the model likes best, within the budget and within a little more or less: all
+    /// are measured before one is taken.
+    std::size_t finalists = 5;
 };
 
 /// A split that was rendered: what the model said, and what it was.
@@ -40,7 +40,7 @@ struct Tuning {
 };
 
 /// Renders `splits` in turn from each camera, `rounds` times, and compares each picture with full
-/// quality. Times (medians) and squared errors are means over the cameras.
+/// quality. Times (sums of the passes' medians) and squared errors are means over the cameras.
 std::vector<budget::SplitSample> measureSplits(const gpu::Device&, frame::Frame&,
                                                const std::vector<scene::Camera>& cameras,
                                                const std::vector<budget::Split>& splits,
@@ -50,7 +50,6 @@ std::vector<budget::SplitSample> measureSplits(const gpu::Device&, frame::Frame&
 struct TermSamples {
     std::vector<budget::SplitSample> samples;
     budget::SplitModel model;
-    double fullMs = 0;
 };
 /// Fails when the shading has no expensive term.
 Result<TermSamples> measureTerms(const gpu::Device&, frame::Frame&,

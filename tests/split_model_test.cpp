@@ -18,28 +18,36 @@ struct World {
     std::array<double, kTerms> k{200, 80, 20};
     std::array<double, kTerms> error{4, 1, 20};  ///< at r = 2
     std::array<double, kTerms> power{2.5, 1.5, 1};
-    double noise = 0;
+    double listed = 0, texel = 0;  ///< what texels of S cost more, at r = 1
+    double noise = 0, noiseOfRest = 0;
     std::mt19937 random{7};
 
     double ms(const Split& split) {
+        const SplitSample sample = parts(split);
+        return sample.ms * std::normal_distribution<double>(1, noise)(random);
+    }
+    SplitSample parts(const Split& split) {
         std::vector<float> grids;
-        double sum = c;
+        double sum = 0, rest = c;
         bool coarse = false;
         for (std::size_t i = 0; i < kTerms; ++i) {
             const double r = split.rates[i];
             sum += k[i] / (r * r);
             if (std::find(grids.begin(), grids.end(), split.rates[i]) == grids.end()) {
                 grids.push_back(split.rates[i]);
-                sum += surface / (r * r) + (r > 1 ? grid : 0);
+                sum += (surface + (r > 1 ? texel : 0)) / (r * r);
+                rest += r > 1 ? grid + listed / (r * r) : 0;
             }
             coarse |= r > 1;
         }
         if (coarse && split.repair > 0) {
-            sum += repairFixed + split.repair * surface;
+            rest += repairFixed;
+            sum += split.repair * surface;
             for (std::size_t i = 0; i < kTerms; ++i)
                 if (split.rates[i] > 1) sum += split.repair * k[i];
         }
-        return sum * std::normal_distribution<double>(1, noise)(random);
+        rest *= std::normal_distribution<double>(1, noiseOfRest)(random);
+        return {.split = split, .ms = sum + rest, .mse = mse(split), .termsMs = sum};
     }
     double mse(const Split& split) const {
         double sum = 0;
@@ -74,6 +82,28 @@ TEST(SplitModel, findsTheCostsOfARendererThatFollowsTheModel) {
     EXPECT_NEAR(model.gridMs(), 10, 0.5);
     for (const Split& split : {Split{{3, 2, 6}, 0}, Split{{5, 5, 1}, 0.02f}, Split{{4, 4, 4}, 0}})
         EXPECT_NEAR(model.ms(split), world.ms(split), 0.01 * world.ms(split));
+}
+
+TEST(SplitModel, aGridOfItsOwnForALittleIsSeenToBeDearer) {
+    // Where texels of S cost more than pixels, r = 1.25 saves nothing.
+    World world{.listed = 20, .texel = 60};
+    std::vector<SplitSample> samples;
+    for (const SplitSample& sample : world.samples()) samples.push_back(world.parts(sample.split));
+    const SplitModel model(samples, kAll);
+    EXPECT_NEAR(model.termMs(Term::shadow), 200, 1);
+    for (const Split& split : {Split{{1.25f, 4, 1.25f}, 0}, Split{{1, 4, 1}, 0}})
+        EXPECT_NEAR(model.ms(split), world.ms(split), 0.01 * world.ms(split));
+    EXPECT_GT(model.ms({{1, 1, 1.25f}, 0}), model.ms({}));
+}
+
+TEST(SplitModel, noiseOfOtherPassesDoesNotPassForACostOfTheTerms) {
+    World world{.noiseOfRest = 0.2};
+    std::vector<SplitSample> samples;
+    for (const SplitSample& sample : world.samples()) samples.push_back(world.parts(sample.split));
+    const SplitModel model(samples, kAll);
+    EXPECT_NEAR(model.termMs(Term::shadow), 200, 1);
+    EXPECT_NEAR(model.termMs(Term::ao), 80, 1);
+    EXPECT_NEAR(model.termMs(Term::noise), 20, 1);
 }
 
 TEST(SplitModel, errorsOfTermsAddAndFollowTheirPowerLaw) {

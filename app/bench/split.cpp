@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <span>
 
 #include <fmt/format.h>
@@ -76,23 +77,27 @@ std::vector<budget::SplitSample> rivalsOf(const budget::SplitSample& automatic,
     return rivals;
 }
 
-/// The rival of least error that takes no longer. Of 134 noisy times the least are so by luck:
-/// rivals and the automatic one are measured anew, in turn. Where all of them take longer, the
-/// fastest.
-budget::SplitSample bestOf(const std::vector<budget::SplitSample>& rivals,
-                           const budget::SplitSample& automatic, const gpu::Device& device,
-                           frame::Frame& frame, const scene::Camera& camera,
-                           const TuneOptions& tuning) {
+struct Rival {
+    budget::SplitSample sample;
+    double automaticMs;  ///< in the same turns
+};
+
+/// The rival of least error that takes no longer, if any does. Of 134 noisy times the least are so
+/// by luck: rivals and the automatic one are measured anew, in turn.
+std::optional<Rival> bestOf(const std::vector<budget::SplitSample>& rivals,
+                            const budget::SplitSample& automatic, const gpu::Device& device,
+                            frame::Frame& frame, const scene::Camera& camera,
+                            const TuneOptions& tuning) {
     std::vector<Split> splits{automatic.split};
     for (const budget::SplitSample& rival : rivals) splits.push_back(rival.split);
     const auto measured =
         measureSplits(device, frame, {camera}, splits, tuning, "measuring its rivals again");
+    std::optional<Rival> best;
     const double most = measured.front().ms;
-    return *std::min_element(measured.begin() + 1, measured.end(),
-                             [&](const auto& a, const auto& b) {
-                                 if ((a.ms <= most) != (b.ms <= most)) return a.ms <= most;
-                                 return a.ms <= most ? a.mse < b.mse : a.ms < b.ms;
-                             });
+    for (std::size_t i = 1; i < measured.size(); ++i)
+        if (measured[i].ms <= most && (!best || measured[i].mse < best->sample.mse))
+            best = Rival{measured[i], most};
+    return best;
 }
 
 Result<void> measureScene(const BenchCase& what, const BenchOptions& options, BenchResult& result) {
@@ -119,10 +124,11 @@ Result<void> measureScene(const BenchCase& what, const BenchOptions& options, Be
                                     i < hands ? 0 : kBudgets[i - hands], fullMs));
     for (std::size_t i = hands; i < measured.size(); ++i) {
         const auto rivals = rivalsOf(measured[i], std::span(measured).first(hands));
-        if (rivals.empty()) continue;
-        result.rows.push_back(rowOf(
-            what, options, bestOf(rivals, measured[i], *session.device, frame, camera, tuning),
-            "best by hand", kBudgets[i - hands], fullMs));
+        const auto best = bestOf(rivals, measured[i], *session.device, frame, camera, tuning);
+        if (!best) continue;
+        result.rows.push_back(
+            rowOf(what, options, best->sample, "best by hand", kBudgets[i - hands], fullMs));
+        result.rows.back()["automatic_ms"] = best->automaticMs;
     }
     if (!result.report.device) {
         describeDevice(session, result.report);

@@ -11,10 +11,12 @@
 namespace lodestar::budget {
 namespace {
 
-// The unknowns of a frame's time, in this order: C, P, U, R, K of each term.
-constexpr std::size_t kFixed = 0, kSurface = 1, kGrid = 2, kRepair = 3, kFirstTerm = 4;
+// The unknowns of a frame's time, in this order: C, U, L, R; P, T, K of each term.
+constexpr std::size_t kFixed = 0, kGrid = 1, kListed = 2, kRepair = 3;
+constexpr std::size_t kSurface = 4, kTexel = 5, kFirstTerm = 6;
 constexpr std::size_t kUnknowns = kFirstTerm + kTerms;
 using Row = std::array<double, kUnknowns>;
+static_assert(kUnknowns == SplitModel::kCosts);
 
 constexpr double kLeastMse = 1e-6;  // what an error of 0 counts as on the power law
 
@@ -42,8 +44,11 @@ Row rowOf(const Split& split, const std::array<bool, kTerms>& present) {
     bool coarse = false;
     for (const float rate : grids) {
         row[kSurface] += 1 / (double(rate) * rate);
-        row[kGrid] += isCoarse(rate);
-        coarse |= isCoarse(rate);
+        if (!isCoarse(rate)) continue;
+        coarse = true;
+        row[kGrid] += 1;
+        row[kListed] += 1 / (double(rate) * rate);
+        row[kTexel] += 1 / (double(rate) * rate);
     }
     if (coarse && split.repair > 0) {
         row[kRepair] = 1;
@@ -52,6 +57,10 @@ Row rowOf(const Split& split, const std::array<bool, kTerms>& present) {
             if (present[i] && isCoarse(split.rates[i])) row[kFirstTerm + i] += split.repair;
     }
     return row;
+}
+
+bool isOfTerms(std::size_t unknown) {
+    return unknown >= kSurface;
 }
 
 /// Least squares with no unknown below 0, by coordinate descent on the normal equations: they are
@@ -108,6 +117,7 @@ SplitModel::SplitModel(std::span<const SplitSample> samples, const std::array<bo
     for (const SplitSample& sample : samples) {
         require(std::isfinite(sample.ms) && sample.ms > 0, "a sample's time must be above 0");
         require(std::isfinite(sample.mse) && sample.mse >= 0, "an error must not be negative");
+        require(sample.termsMs >= 0 && sample.termsMs <= sample.ms, "terms are part of the time");
         require(sample.split.repair >= 0 && sample.split.repair <= 1, "repair is a share");
         std::size_t coarse = 0, which = 0;
         for (std::size_t i = 0; i < kTerms; ++i) {
@@ -143,31 +153,41 @@ std::vector<float> SplitModel::repairs() const {
 }
 
 void SplitModel::fitTimes(std::span<const SplitSample> samples) {
+    const bool apart = std::all_of(samples.begin(), samples.end(),
+                                   [](const SplitSample& sample) { return sample.termsMs > 0; });
     std::vector<Row> rows;
     std::vector<double> values;
     for (const SplitSample& sample : samples) {
         // A machine's noise is a share of the time: so are the residuals.
-        Row row = rowOf(sample.split, present);
-        for (double& value : row) value /= sample.ms;
-        rows.push_back(row);
-        values.push_back(1);
+        Row terms = rowOf(sample.split, present), rest{};
+        for (double& value : terms) value /= sample.ms;
+        if (!apart) {
+            rows.push_back(terms);
+            values.push_back(1);
+            continue;
+        }
+        for (std::size_t i = 0; i < kUnknowns; ++i)
+            if (!isOfTerms(i)) std::swap(terms[i], rest[i]);
+        rows.insert(rows.end(), {terms, rest});
+        values.insert(values.end(), {sample.termsMs / sample.ms, 1 - sample.termsMs / sample.ms});
     }
-    const Row x = solve(rows, values);
-    c = x[kFixed];
-    surface = x[kSurface];
-    grid = x[kGrid];
-    repairFixed = x[kRepair];
-    std::copy(x.begin() + kFirstTerm, x.end(), k.begin());
+    costs = solve(rows, values);
 }
 
 double SplitModel::ms(const Split& split) const {
-    Row x{};
-    x[kFixed] = c;
-    x[kSurface] = surface;
-    x[kGrid] = grid;
-    x[kRepair] = repairFixed;
-    std::copy(k.begin(), k.end(), x.begin() + kFirstTerm);
-    return dot(rowOf(split, present), x);
+    return dot(rowOf(split, present), costs);
+}
+
+double SplitModel::fixedMs() const {
+    return costs[kFixed];
+}
+
+double SplitModel::gridMs() const {
+    return costs[kGrid];
+}
+
+double SplitModel::termMs(Term term) const {
+    return costs[kFirstTerm + static_cast<std::size_t>(term)];
 }
 
 double SplitModel::mse(const Split& split) const {

@@ -28,14 +28,18 @@ struct SplitSample {
     Split split;
     double ms = 0;   ///< what it took
     double mse = 0;  ///< mean squared error of its picture against full quality, in any one unit
+    double termsMs = 0;  ///< of its time, what the terms took, repaired ones too; 0: not known
 };
 
-/// Time and error of any split, from samples in which at most one term is coarse.
+/// Time and error of any split, from samples in which one term is coarse, and for the times some
+/// in which more are.
 ///
-/// A frame takes C + Σ over its grids S of [(P + Σ K_i)/r² + U where r > 1] + repair: C is fixed, P
-/// what finding the surface at a texel costs at full rate, K_i the term i itself, U reconstruction;
-/// repair takes a fixed R and its share of the K_i. These are fitted by least squares, none
-/// below 0.
+/// A frame takes C + Σ over its grids S of [(P + Σ K_i)/r² + U + (L + T)/r² where r > 1] + repair:
+/// C is fixed, P what finding the surface at a texel costs at full rate, K_i the term i itself, U
+/// reconstruction, L listing the texels of S, T what a texel costs more than a pixel; repair takes
+/// a fixed R and its share of the K_i. These are fitted by least squares, none below 0. Where the
+/// samples tell what the terms took of their time, P and the K_i are fitted to that alone with T,
+/// and C, U, L and R to the rest: the noise of one part does not pass for the other.
 ///
 /// The error of a term at r lies on the power law between the samples on either side; errors of
 /// different terms add, since they fall on different pixels or have nothing to do with each other.
@@ -52,14 +56,15 @@ public:
     double mse(const Split&) const;
 
     double fullMs() const { return ms({}); }
-    double fixedMs() const { return c; }  ///< C
-    double termMs(Term term) const { return k[static_cast<std::size_t>(term)]; }
-    double gridMs() const { return grid; }        ///< U
-    double surfaceMs() const { return surface; }  ///< P
+    double fixedMs() const;     ///< C
+    double gridMs() const;      ///< U
+    double termMs(Term) const;  ///< K
     bool has(Term term) const { return present[static_cast<std::size_t>(term)]; }
     /// The largest rate of the term that was measured; 1 for a term that is not there.
     float largestRate(Term) const;
     std::vector<float> repairs() const;
+
+    static constexpr std::size_t kCosts = 6 + kTerms;
 
 private:
     struct Point {
@@ -73,8 +78,7 @@ private:
     void fitTimes(std::span<const SplitSample>);
 
     std::array<bool, kTerms> present;
-    double c = 0, surface = 0, grid = 0, repairFixed = 0;
-    std::array<double, kTerms> k{};
+    std::array<double, kCosts> costs{};        ///< C, U, L, R; P, T, K of each term [ms]
     std::map<Key, std::vector<Point>> curves;  ///< by rate
 };
 
