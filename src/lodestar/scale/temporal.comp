@@ -20,6 +20,7 @@ layout(push_constant, scalar) uniform Push { TemporalParams params; };
 #include "edge_adaptive.glsl"
 
 const float kDepthSlack = 0.01;     // relative, beyond the depths of the texels around
+const float kTogether = 1;          // pixels: up to there an outline takes along what it covers
 const float kApart = 0.5;           // pixels by which neighbours may move otherwise
 const float kSunSlack = 0.15;       // change of the sun's share that is shading that moves
 const float kShiny = 0.4;           // roughness below which reflections are seen to move
@@ -28,14 +29,16 @@ const float kMovingMemory = 0.25;   // of the memory, where resampling blurs it
 const float kLayerFades = 0.5;      // a frame: beside its edge it still passes for what is here
 const float kTravelled = 2;         // added to the layer's share in the guide: it travels
 const float kCovers = 0.03;         // relative, by which something nearer covers
-const float kLeaves = 16;           // halvings of the memory, a pixel that what covers moves by
+const float kComes = 2;             // halvings of the memory, a pixel that something nearer moves by
+const float kLeaves = 16;           // and where the history still shows it, so many more
 const float kSlope = 1.5;           // of differences over two pixels: edges are steeper
-const float kLatitude = 0.25;       // of the span of colours that is allowed beyond it
+const float kLatitude = 1;          // spans of colours that are allowed beyond them
 const float kMovingFalloff = 0.75;   // of the kernel's, where few frames are left to fill it
 
 /// What the texel and its four neighbours show: what a place in the history must be one of.
 struct Around {
     vec4 motion[5];  // xy, depth a frame ago, instance
+    vec2 carried;    // the motion by which the history is read
     float sunLow, sunHigh;
     vec3 low, high;
     vec4 gathered;  // rgb times weight, weight: by their distances to the pixel's centre
@@ -58,9 +61,25 @@ bool anyTravels(vec4 motion_[5]) {
     return most > 1e-4;
 }
 
+float distanceOf(float depth) { return depth > 0 ? depth : 1e30; }
+
+/// The motion of what lies nearest, of the five that move much alike. An outline goes with what it
+/// is the outline of, whichever side of it this frame's sample fell on.
+vec2 motionOfOutline(vec4 motion_[5]) {
+    vec4 nearest = motion_[0];
+    for (int i = 1; i < 5; ++i) {
+        const vec2 apart = (motion_[i].xy - motion_[0].xy) * vec2(params.size);
+        if (dot(apart, apart) < kTogether * kTogether &&
+            distanceOf(motion_[i].z) < distanceOf(nearest.z) * (1 - kCovers))
+            nearest = motion_[i];
+    }
+    return nearest.xy;
+}
+
 Around lookAround(vec4 motion_[5], ivec2 texel, vec2 off, vec2 step, float falloff) {
     Around a;
     a.motion = motion_;
+    a.carried = motionOfOutline(motion_);
     a.sunLow = 1;
     a.sunHigh = 0;
     a.low = vec3(1);
@@ -83,8 +102,6 @@ Around lookAround(vec4 motion_[5], ivec2 texel, vec2 off, vec2 step, float fallo
     return a;
 }
 
-float distanceOf(float depth) { return depth > 0 ? depth : 1e30; }
-
 /// Whether a place of the history may be blended with what is seen now. It may where it shows a
 /// surface that is around the pixel now: the same instance, as far as it then was. It may not where
 /// it shows something nearer, which has uncovered the pixel. Something farther was seen between or
@@ -93,7 +110,7 @@ float distanceOf(float depth) { return depth > 0 ? depth : 1e30; }
 bool mayBlend(vec4 then, Around a) {
     float near = 3e38, far = -3e38, nearest = 3e38;
     for (int i = 0; i < 5; ++i) {
-        const vec2 apart = (a.motion[i].xy - a.motion[0].xy) * vec2(params.size);
+        const vec2 apart = (a.motion[i].xy - a.carried) * vec2(params.size);
         const bool beside = dot(apart, apart) < kApart * kApart;
         const bool same = beside && a.motion[i].w == then.y;
         near = same ? min(near, a.motion[i].z) : near;
@@ -116,30 +133,30 @@ float apartOf(Around a) {
     float apart = 0;
     for (int i = 1; i < 5; ++i)
         if (distanceOf(a.motion[i].z) < distanceOf(a.motion[0].z) * (1 - kCovers))
-            apart = max(apart, length((a.motion[i].xy - a.motion[0].xy) * vec2(params.size)));
+            apart = max(apart, length((a.motion[i].xy - a.carried) * vec2(params.size)));
     return apart;
 }
 
-/// Catmull-Rom over 4×4 without its corners, in five bilinear fetches; a place at a texel's centre
-/// is that texel. History is resampled every frame, and the tent would blur it every time.
+/// Lagrange's quintic over 6×6 without its corners, in nine bilinear fetches; a place at a texel's
+/// centre is that texel. History is resampled every frame: what a filter takes from fine detail it
+/// takes as often as the history is old, and Catmull-Rom's takes twice as much.
 vec4 sharpHistory(vec2 at, vec2 texelSize) {
     const vec2 base = floor(at - 0.5) + 0.5, f = at - base;
-    const vec2 w0 = f * (-0.5 + f * (1 - 0.5 * f));
-    const vec2 w1 = 1 + f * f * (-2.5 + 1.5 * f);
-    const vec2 w2 = f * (0.5 + f * (2 - 1.5 * f));
-    const vec2 w3 = f * f * (-0.5 + 0.5 * f);
-    const vec2 w12 = w1 + w2;
-    const vec2 middle = (base + w2 / w12) * texelSize;
-    const vec2 before = (base - 1) * texelSize, after = (base + 2) * texelSize;
-    vec4 sum = vec4(0);
-    float weights = 0;
-    const vec3 taps[5] =
-        vec3[](vec3(middle.x, before.y, w12.x * w0.y), vec3(before.x, middle.y, w0.x * w12.y),
-               vec3(middle, w12.x * w12.y), vec3(after.x, middle.y, w3.x * w12.y),
-               vec3(middle.x, after.y, w12.x * w3.y));
-    for (int i = 0; i < 5; ++i) {
-        sum += taps[i].z * textureLod(history, taps[i].xy, 0);
-        weights += taps[i].z;
+    const vec2 a = f + 2, b = f + 1, c = f - 1, d = f - 2, e = f - 3;
+    const vec2 inner0 = -a * b * c * d * e / 12, inner1 = a * b * f * d * e / 12;
+    const vec2 outer[4] = vec2[](-b * f * c * d * e / 120, a * f * c * d * e / 24,
+                                 -a * b * f * c * e / 24, a * b * f * c * d / 120);
+    const float steps[4] = float[](-2, -1, 2, 3);
+    const vec2 inner = inner0 + inner1;
+    const vec2 middle = base + inner1 / inner;
+    float weights = inner.x * inner.y;
+    vec4 sum = weights * textureLod(history, middle * texelSize, 0);
+    for (int i = 0; i < 4; ++i) {
+        const vec2 tap = base + steps[i];
+        const vec2 w = inner.yx * outer[i];
+        sum += w.x * textureLod(history, vec2(tap.x, middle.y) * texelSize, 0) +
+               w.y * textureLod(history, vec2(middle.x, tap.y) * texelSize, 0);
+        weights += w.x + w.y;
     }
     return sum / weights;
 }
@@ -167,11 +184,11 @@ void main() {
     // The place in the history, and which of the 2×2 texels about it show what is seen here.
     const vec4 moved = motions[0];
     const vec2 outSize = vec2(params.size);
-    const vec2 place = (vec2(pixel) + 0.5) + moved.xy * outSize;
-    const bool inPicture = all(greaterThanEqual(place, vec2(0))) && all(lessThan(place, outSize));
-    const vec2 safe = clamp(place, vec2(0.5), outSize - 0.5);
     const Around around =
         lookAround(motions, texel, off, step, params.falloff * (travels ? kMovingFalloff : 1));
+    const vec2 place = (vec2(pixel) + 0.5) + around.carried * outSize;
+    const bool inPicture = all(greaterThanEqual(place, vec2(0))) && all(lessThan(place, outSize));
+    const vec2 safe = clamp(place, vec2(0.5), outSize - 0.5);
     const float weight = around.gathered.w;
     const float sun = texelFetch(terms, texel, 0).x;
 
@@ -234,7 +251,7 @@ void main() {
     }
 
     const float memory = params.memory * (travels ? kMovingMemory : 1) * (1 - ofLayer) *
-                         exp2(-kLeaves * apartOf(around) * covered);
+                         exp2(-apartOf(around) * (kComes + kLeaves * covered));
     // Until samples have gathered, this frame's own reconstruction stands for those to come.
     const float old = kept ? min(max(before.a, 0), memory) : 0;
     const float ahead = max(kEnough - old, 0);
