@@ -138,7 +138,8 @@ quality::RgbImage reduced(const quality::RgbImage& large) {
 }
 
 /// The longest frame of a run of our mode over the median one. Of each frame the median of many
-/// runs: what it costs more than another, not what else the machine did.
+/// runs: what it costs more than another, not what else the machine did. The first has no picture
+/// before it to cull by, whatever its S, and does not count.
 double longestFrame(Stage& stage, const Course& course) {
     frame::Frame& frame = *stage.methods[std::size_t(TemporalMode::lodestar)];
     std::vector<std::vector<double>> runs(kTimedFrames);
@@ -150,7 +151,7 @@ double longestFrame(Stage& stage, const Course& course) {
         }
     }
     std::vector<double> medians;
-    for (const auto& run : runs) medians.push_back(median(run));
+    for (std::size_t i = 1; i < kTimedFrames; ++i) medians.push_back(median(runs[i]));
     return *std::max_element(medians.begin(), medians.end()) / median(medians);
 }
 
