@@ -54,12 +54,12 @@ constexpr std::array kWays{
 };
 constexpr std::array kRates{1.5f, 2.0f, 3.0f, 3.5f, 4.0f, 5.0f, 6.0f, 8.0f};
 
-/// The cap at which repair takes a twentieth of the frame at most: the dearer the terms of the
+/// The cap at which repair takes a sixteenth of the frame at most: the dearer the terms of the
 /// pixels that show something, the fewer. Pixels here and there cost half as much again as they do
 /// among their neighbours.
 float repairCap(double share, double covered, float rate) {
     const double frame = 1 - share + share / (double(rate) * rate);
-    return static_cast<float>(std::min(double(kRepair), frame / 20 / (1.5 * share / covered)));
+    return static_cast<float>(std::min(double(kRepair), frame / 16 / (1.5 * share / covered)));
 }
 
 /// The share of the pixels that show something.

@@ -94,11 +94,14 @@ double dot(const Row& a, const Row& b) {
     return std::inner_product(a.begin(), a.end(), b.begin(), 0.0);
 }
 
-/// Steps of a quarter octave, and the least that is worth a grid of its own.
+/// 1, 1.25, 1.5, 1.75, 2, 2.5, 3, 3.5, 4, 5, …: four an octave. Whole rates are among them, at
+/// which the centres of texels fall alike on the pixels of every texel: they do better than those
+/// beside.
 std::vector<float> ratesUpTo(float largest) {
-    std::vector<float> rates{1};
-    for (double rate = 1.25; rate <= largest * 1.001; rate *= std::exp2(0.25))
-        rates.push_back(static_cast<float>(rate));
+    std::vector<float> rates;
+    for (float octave = 1; octave <= largest; octave *= 2)
+        for (const float step : {1.0f, 1.25f, 1.5f, 1.75f})
+            if (step * octave <= largest) rates.push_back(step * octave);
     return rates;
 }
 

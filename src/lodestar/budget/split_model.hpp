@@ -89,8 +89,8 @@ struct RatedSplit {
 };
 
 /// The splits of least error whose frames take `budgetMs` at most, the best first, from all rates
-/// 1, 1.25, … in steps of a quarter octave. Any two of them differ by at least `apart` octaves in
-/// some rate or in their repair. Where no split is fast enough: the fastest alone.
+/// 1, 1.25, 1.5, 1.75, 2, 2.5, …, four an octave. Any two of them differ by at least `apart`
+/// octaves in some rate or in their repair. Where no split is fast enough: the fastest alone.
 std::vector<RatedSplit> bestSplits(const SplitModel&, double budgetMs, std::size_t count,
                                    double apart = 0.45);
 
