@@ -167,12 +167,14 @@ TEST_F(TemporalTest, levelsOfDetailDoNotFollowTheScale) {
 }
 
 /// Sixteen samples a pixel: of edges a pixel apart four are no reference.
-quality::RgbImage finely(const gpu::Device& device, const scene::GpuScene& scene,
-                         FrameSettings settings, const Camera& camera) {
+FrameSettings fine(FrameSettings settings) {
     settings.maxScale = 1;
     settings.size = vk::Extent2D{4 * kSize.width, 4 * kSize.height};
-    Frame frame(device, scene, settings);
-    frame.render(camera, {});
+    settings.temporal.mode = TemporalMode::off;
+    return settings;
+}
+
+quality::RgbImage reducedPictureOf(const gpu::Device& device, const Frame& frame) {
     const auto rgba = gpu::readImage(device, frame.display());
     quality::RgbImage picture(int(kSize.width), int(kSize.height));
     for (std::size_t i = 0; i < picture.rgb.size(); ++i) {
@@ -184,6 +186,13 @@ quality::RgbImage finely(const gpu::Device& device, const scene::GpuScene& scene
         picture.rgb[i] = std::uint8_t(sum / 16);
     }
     return picture;
+}
+
+quality::RgbImage finely(const gpu::Device& device, const scene::GpuScene& scene,
+                         const FrameSettings& settings, const Camera& camera) {
+    Frame frame(device, scene, fine(settings));
+    frame.render(camera, {});
+    return reducedPictureOf(device, frame);
 }
 
 /// What joining gains on the last frame of a pan over the filter of that frame alone [dB].
@@ -286,7 +295,8 @@ struct Uncovered {
     int pixels = 0;
 };
 
-/// The error of what the quad uncovers while it moves on by `step` seconds a frame.
+/// The error, against sixteen samples a pixel, of what the quad uncovers while it moves on by
+/// `step` seconds a frame.
 Uncovered uncoveredBy(const gpu::Device& device, FrameSettings settings, float step) {
     const scene::Scene source = passingQuad();
     scene::GpuScene moving(device, source);
@@ -298,6 +308,7 @@ Uncovered uncoveredBy(const gpu::Device& device, FrameSettings settings, float s
     };
     Frame joined = make(TemporalMode::lodestar), spatial = make(TemporalMode::off),
           full = make(TemporalMode::off);
+    Frame sixteen(device, moving, fine(full.settings()));
     std::vector<std::uint32_t> idsBefore;
     Uncovered found;
     for (int i = 0; i < 30; ++i) {
@@ -305,9 +316,10 @@ Uncovered uncoveredBy(const gpu::Device& device, FrameSettings settings, float s
         joined.render(from, {.renderScale = 0.71f});
         spatial.render(from, {.renderScale = 0.71f});
         full.render(from, {});
+        sixteen.render(from, {});
         const auto ids = gpu::as<std::uint32_t>(gpu::readImage(device, full.ids()));
         const auto a = pictureOf(device, joined), b = pictureOf(device, spatial),
-                   c = pictureOf(device, full);
+                   c = reducedPictureOf(device, sixteen);
         const std::uint32_t quad = ids[kSize.width * (kSize.height / 2)];  // never the mover's
         for (std::size_t p = 0; i > 5 && p < ids.size(); ++p) {
             const std::size_t x = p % kSize.width;
