@@ -71,7 +71,7 @@ shared::PhongParams phongParams(const scene::Camera& camera, float aspect, vk::E
 }
 
 gpu::Kernel recordKernel(const gpu::Device& device, const scene::SceneFeatures& f,
-                         std::uint32_t side, bool attributes, bool others) {
+                         std::uint32_t side, bool attributes) {
     return {device,
             attributes ? "attributes from the record" : "shade from the record",
             kRecordCode,
@@ -84,10 +84,9 @@ gpu::Kernel recordKernel(const gpu::Device& device, const scene::SceneFeatures& 
                                    Slot::texelBuffer,
                                    {Slot::sampledImage, shared::LS_TEXTURE_ARRAYS},
                                    Slot::texelBuffer,
-                                   Slot::storageImage,
-                                   Slot::storageBuffer}),
+                                   Slot::storageImage}),
             sizeof(shared::PhongParams),
-            {f.uvTransforms, f.baseColorArrays, f.normalArrays, side, attributes, others}};
+            {f.uvTransforms, f.baseColorArrays, f.normalArrays, side, attributes}};
 }
 
 template <typename T>
@@ -176,35 +175,27 @@ RecordRenderer::RecordRenderer(const gpu::Device& owner, const scene::GpuScene& 
       scene(&gpuScene),
       capturer(owner, gpuScene, settings),
       sampler(visibility::makeTextureSampler(owner)),
-      shade{recordKernel(owner, gpuScene.features(), settings.side, false, false),
-            recordKernel(owner, gpuScene.features(), settings.side, false, true)},
-      attributes{recordKernel(owner, gpuScene.features(), settings.side, true, false),
-                 recordKernel(owner, gpuScene.features(), settings.side, true, true)},
-      mixed(owner, "record: mixed pixels",
-            4ull * (1 + std::uint64_t{settings.base.width} * settings.base.height)),
+      shade(recordKernel(owner, gpuScene.features(), settings.side, false)),
+      attributes(recordKernel(owner, gpuScene.features(), settings.side, true)),
       color(image(owner, capturer.gridC(), vk::Format::eR8G8B8A8Unorm, "record: colour",
                   Usage::eStorage)),
       noDepth(image(owner, {1, 1}, vk::Format::eR32Sfloat, "record: unused", Usage::eStorage)),
       noIds(image(owner, {1, 1}, vk::Format::eR32Uint, "record: unused", Usage::eStorage)),
       rec(owner) {}
 
-void RecordRenderer::recordShade(gpu::Recorder& r, const Kernels& kernels,
+void RecordRenderer::recordShade(gpu::Recorder& r, const gpu::Kernel& kernel,
                                  const scene::Camera& camera, float aspect) {
     const auto pass = r.pass("shade");
-    r.vk().fillBuffer(mixed.vk(), 0, 4, 0);
-    r.barrier(Stage::transfer, Stage::compute);
     const auto& record = capturer.compact();
     const auto bindings = scene::withScene(
         *scene, {record.heads, record.lists, color, targets ? targets->depth : noDepth,
                  targets ? targets->albedo : color, targets ? targets->normal : noIds,
                  scene->materials, gpu::Binding(scene->textureViews(), sampler), scene->secondUvs,
-                 targets ? targets->id : noIds, mixed});
-    const shared::PhongParams params = phongParams(camera, aspect, record.base);
+                 targets ? targets->id : noIds});
     const std::uint32_t groups = gpu::groups(record.base.width * record.base.height, 64);
     const std::uint32_t lines = gpu::groups(groups, 32768);
-    r.dispatch(kernels[0], {gpu::groups(groups, lines), lines, 1}, bindings, params);
-    r.barrier(Stage::compute, Stage::compute);
-    r.dispatch(kernels[1], {512, 1, 1}, bindings, params);
+    r.dispatch(kernel, {gpu::groups(groups, lines), lines, 1}, bindings,
+               phongParams(camera, aspect, record.base));
 }
 
 gpu::FrameTimes RecordRenderer::render(const scene::Camera& camera, float aspect) {

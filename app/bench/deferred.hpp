@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
-#include <array>
-
 #include <lodestar/frame/capture_frame.hpp>
 
 namespace lodestar::app {
@@ -55,15 +53,13 @@ public:
     const frame::CaptureFrame& capture() const { return capturer; }
 
 private:
-    using Kernels = std::array<gpu::Kernel, 2>;  // pixels of one triangle, the others
-    void recordShade(gpu::Recorder&, const Kernels&, const scene::Camera&, float aspect);
+    void recordShade(gpu::Recorder&, const gpu::Kernel&, const scene::Camera&, float aspect);
 
     const gpu::Device* device;
     const scene::GpuScene* scene;
     frame::CaptureFrame capturer;
     vk::raii::Sampler sampler;
-    Kernels shade, attributes;
-    gpu::Buffer mixed;
+    gpu::Kernel shade, attributes;
     gpu::Image color, noDepth, noIds;  // the last two stand where nothing is written
     gpu::Recorder rec;
     struct Targets {

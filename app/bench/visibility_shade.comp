@@ -13,15 +13,15 @@ layout(constant_id = 3) const uint kSide = 4;
 #include "phong.glsl"
 
 // The same shading straight from the compact record at its capture rate: what the reference's
-// G-buffer holds is found here, and written only when asked for. One thread a pixel of grid B, which
-// fetches a triangle once for all its samples: first those that show one triangle, then the others,
-// which the first run lists.
-layout(local_size_x = 64) in;
+// G-buffer holds is found here, and written only when asked for. A workgroup takes 64 pixels of grid
+// B and shades the triangles that they list, each fetched once for all its samples of a pixel, those
+// with as many samples side by side: threads that run in step then wait for nobody.
+const uint kPixels = 64;
+layout(local_size_x = kPixels) in;
 
 layout(constant_id = 1) const uint kBaseColorArrays = 255;
 layout(constant_id = 2) const uint kNormalArrays = 255;
 layout(constant_id = 4) const uint kAttributes = 0;  // 1: write them, rather than the colour
-layout(constant_id = 5) const uint kPass = 0;        // 0: pixels of one triangle; 1: the others
 
 layout(binding = 8, rgba8) writeonly uniform image2D outColor;
 layout(binding = 9, r32f) writeonly uniform image2D outDepth;
@@ -29,7 +29,6 @@ layout(binding = 10, rgba8) writeonly uniform image2D outAlbedo;
 layout(binding = 11, r32ui) writeonly uniform uimage2D outNormal;
 layout(binding = 14) uniform samplerBuffer secondUvs;
 layout(binding = 15, r32ui) writeonly uniform uimage2D outIds;
-layout(binding = 16, scalar) buffer Mixed { uint mixedCount; uint mixed[]; };
 layout(push_constant, scalar) uniform Push { PhongParams params; };
 
 TexturePoint interpolate(vec2 a, vec2 b, vec2 c, vec3 at, vec3 dx, vec3 dy) {
@@ -120,47 +119,56 @@ void shade(Source s, ivec2 pixel) {
     }
 }
 
-ivec2 sampleAt(uint at, uint sample_) {
-    return ivec2(uvec2(at % params.base.x, at / params.base.x) * kSide +
-                 uvec2(sample_ % kSide, sample_ / kSide));
-}
-
-/// The number of the lowest sample of a mask that is not empty, and out of it.
-uint take(inout uvec2 mask) {
+/// Takes the lowest sample out of a mask that is not empty: its place in its pixel.
+uvec2 take(inout uvec2 mask) {
     const uint i = mask.x != 0 ? findLSB(mask.x) : 32 + findLSB(mask.y);
     if (i < 32)
         mask.x &= mask.x - 1;
     else
         mask.y &= mask.y - 1;
-    return i;
+    return uvec2(i % kSide, i / kSide);
+}
+
+shared Head heads[kPixels];
+shared List lists[kPixels];
+shared uint ends[kPixels];             // of the items with 1, 2, … samples
+shared uint items[kPixels * kSamples];  // pixel << 6 | number in its list
+
+void sortItems(uint own, bool inside) {
+    ends[own] = 0;
+    barrier();
+    const List list = lists[own];
+    for (uint k = 0; k < (inside ? list.count : 0); ++k)
+        atomicAdd(ends[samplesOf(listedMask(list, k)) - 1], 1);
+    barrier();
+    uint before = 0;
+    for (uint i = 0; i < own; ++i) before += ends[i];
+    barrier();
+    ends[own] = before;
+    barrier();
+    for (uint k = 0; k < (inside ? list.count : 0); ++k)
+        items[atomicAdd(ends[samplesOf(listedMask(list, k)) - 1], 1)] = own << 6 | k;
+    barrier();
 }
 
 void main() {
-    const uint samples = kSide * kSide;
-    const uint thread =
-        gl_GlobalInvocationID.x + gl_GlobalInvocationID.y * gl_NumWorkGroups.x * 64;
-    if (kPass == 0) {
-        if (thread >= params.base.x * params.base.y) return;
-        const Head head = loadHead(thread);
-        if (head.listed) mixed[atomicAdd(mixedCount, 1)] = thread;
-        // Loops without iterations, rather than branches, for what a pixel has nothing of: some
-        // drivers run both sides of a branch.
-        const bool plain = !head.listed && head.id != 0;
-        for (uint i = 0; i < (head.listed || plain ? 0 : samples); ++i)
-            writeBackground(sampleAt(thread, i));
-        const Source source = loadSource(plain ? head.id : 0);
-        for (uint i = 0; i < (plain ? samples : 0); ++i) shade(source, sampleAt(thread, i));
-        return;
-    }
-    for (uint i = thread; i < mixedCount; i += gl_NumWorkGroups.x * 64) {
-        const uint at = mixed[i];
-        const List list = loadList(loadHead(at));
-        for (uint k = 0; k < list.count; ++k) {
-            const uint id = listedId(list, k);
-            uvec2 mask = listedMask(list, k);
-            while (id == 0 && (mask.x | mask.y) != 0) writeBackground(sampleAt(at, take(mask)));
-            const Source source = loadSource(id);
-            while ((mask.x | mask.y) != 0) shade(source, sampleAt(at, take(mask)));
-        }
+    const uint own = gl_LocalInvocationID.x;
+    const uint first = (gl_WorkGroupID.x + gl_WorkGroupID.y * gl_NumWorkGroups.x) * kPixels;
+    const bool inside = first + own < params.base.x * params.base.y;
+    heads[own] = loadHead(inside ? first + own : 0);
+    lists[own] = loadList(heads[own]);
+    sortItems(own, inside);
+    for (uint i = own; i < ends[kPixels - 1]; i += kPixels) {
+        const uint pixel = items[i] >> 6, k = items[i] & 63;
+        const List list = lists[pixel];
+        const uint id = heads[pixel].listed ? listedId(list, k) : heads[pixel].id;
+        const uvec2 at = uvec2((first + pixel) % params.base.x, (first + pixel) / params.base.x);
+        uvec2 mask = listedMask(list, k);
+        // A loop without iterations, rather than a branch, for what shows nothing: some drivers run
+        // both sides of a branch.
+        while (id == 0 && (mask.x | mask.y) != 0)
+            writeBackground(ivec2(at * kSide + take(mask)));
+        const Source source = loadSource(id);
+        while ((mask.x | mask.y) != 0) shade(source, ivec2(at * kSide + take(mask)));
     }
 }

@@ -32,6 +32,12 @@ uint sampleId(uint i) {
     return texelFetch(ids, ivec2(at), 0).x;
 }
 
+uint shown[kSamples];  // the ids of the pixel's samples
+
+void loadShown() {
+    for (uint i = 0; i < kSamples; ++i) shown[i] = sampleId(i);
+}
+
 uvec2 bitOf(uint i) { return i < 32 ? uvec2(1u << i, 0) : uvec2(0, 1u << (i - 32)); }
 
 // The first four different ids of the pixel and their masks: nearly always all there are.
@@ -43,7 +49,7 @@ void fillSlots(bool mixed) {
     rest = uvec2(0);
     // No iterations for a group without a mixed pixel: some drivers run both sides of a branch.
     for (uint i = 0; i < (mixed ? kSamples : 0); ++i) {
-        const uint id = sampleId(i);
+        const uint id = shown[i];
         const uvec2 bit = bitOf(i);
         bvec4 at = equal(slots, uvec4(id));
         if (!any(at)) {
@@ -70,9 +76,11 @@ uint takeFromRest(out uvec2 mask) {
 }
 
 void countWords(uint at, uint headAt) {
-    const uint first = sampleId(0);
-    bool mixed = false;
-    for (uint i = 1; i < kSamples; ++i) mixed = mixed || sampleId(i) != first;
+    loadShown();
+    const uint first = shown[0];
+    uint differing = 0;
+    for (uint i = 1; i < kSamples; ++i) differing |= shown[i] ^ first;
+    const bool mixed = differing != 0;
 
     uint best = first, bestCount = 0, distinct = mixed ? 0 : 1;
     fillSlots(mixed);
@@ -121,6 +129,7 @@ void writeList(uint at, uint headAt) {
     number = 0;
     to = begin;
     if (writes) writeId(representative, uvec2(0));
+    if (writes) loadShown();
     fillSlots(writes);
     uint last = 0;
     for (uint i = 0; i < (writes ? 4 : 0); ++i) {
