@@ -62,12 +62,9 @@ glm::mat4 clipOf(const scene::Camera& camera, float aspect) {
 }
 
 shared::PhongParams phongParams(const scene::Camera& camera, float aspect, vk::Extent2D base) {
-    const glm::mat4 clipFromView = camera.clipFromView(aspect);
     return {.clipFromWorld = clipOf(camera, aspect),
             .eye = camera.eye,
-            .clipScale = {clipFromView[0][0], clipFromView[1][1]},
-            .base = {base.width, base.height},
-            .viewRow2 = glm::transpose(camera.viewFromWorld())[2]};
+            .base = {base.width, base.height}};
 }
 
 gpu::Kernel recordKernel(const gpu::Device& device, const scene::SceneFeatures& f,
