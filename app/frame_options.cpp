@@ -311,8 +311,8 @@ void addFrameOptions(CLI::App& app, frame::FrameSettings& settings) {
         ->capture_default_str()
         ->group(kGroup);
     app.add_option("--temporal-memory", settings.temporal.memory,
-                   "lodestar: samples that a pixel remembers")
-        ->check(CLI::Range(1.0, 1000.0))
+                   "lodestar: samples that a pixel remembers; 0: none, every frame stands alone")
+        ->check(CLI::Range(0.0, 1000.0))
         ->capture_default_str()
         ->group(kGroup);
     app.add_option("--sharpen", settings.temporal.sharpness, "lodestar: sharpening; 0: none")

@@ -26,7 +26,7 @@ using budget::median;
 using scale::TemporalMode;
 
 constexpr std::size_t kModes = scale::kTemporalNames.size();  // off: the scaling filter alone
-constexpr std::size_t kJudged = 3;                            // last frames of a run
+constexpr std::size_t kJudged = 8;                            // last frames of a run
 constexpr float kAnimatedFrom = 1;                            // seconds
 constexpr std::uint32_t kFine = 4;  // samples a pixel of the truth, along each axis
 
@@ -94,7 +94,7 @@ double errorIn(const quality::RgbImage& reference, const quality::RgbImage& test
 /// One way of joining over a run.
 struct Joined {
     std::vector<double> frameMs, passMs, psnr, supersampled, flicker;
-    double uncoveredError = 0;
+    double uncoveredError = 0;  ///< of the judged frames
     quality::RgbImage picture, before;
 };
 
@@ -114,6 +114,7 @@ struct Stage {
     std::array<std::optional<frame::Frame>, kModes> methods;
     std::optional<frame::Frame> full;    ///< S = 1, nothing joined
     std::optional<frame::Frame> native;  ///< S = 1, joined by our mode
+    std::optional<frame::Frame> alone;   ///< our mode's frames without their history
     std::optional<frame::Frame> fine;    ///< kFine² samples a pixel
     std::optional<FilterRuns> filters;
 };
@@ -160,6 +161,7 @@ struct CourseResult {
     double bestSpatialDb = 0;      ///< of all filters without noise, on the last frame
     std::vector<double> nativeDb;  ///< of the native picture against the truth
     std::size_t uncovered = 0;
+    double aloneError = 0;  ///< where uncovered, of our mode's frames without their history
     quality::RgbImage full;
     double longest = NAN;  ///< frame of our mode / its median, where S changes
 };
@@ -179,6 +181,7 @@ CourseResult runCourse(Stage& stage, const Course& course) {
     for (auto& method : stage.methods) method->reset();
     stage.full->reset();
     stage.native->reset();
+    stage.alone->reset();
     const std::size_t judgedFrom = stage.frames - kJudged;
     for (std::size_t i = 0; i < stage.frames; ++i) {
         const scene::Camera camera = path->at(stage.camera, i, kPanFrames);
@@ -189,6 +192,7 @@ CourseResult runCourse(Stage& stage, const Course& course) {
         quality::MotionField field;
         quality::RgbImage full, native, fine;
         stage.native->render(camera, {});
+        stage.alone->render(camera, {.renderScale = s});
         if (before) {
             stage.full->render(camera, {});
             full = readDisplay(device, *stage.full);
@@ -204,6 +208,7 @@ CourseResult runCourse(Stage& stage, const Course& course) {
                 stage.fine->render(camera, {});
                 fine = reduced(readDisplay(device, *stage.fine));
                 result.nativeDb.push_back(quality::psnr(fine, native));
+                result.aloneError += errorIn(fine, readDisplay(device, *stage.alone), uncovered);
             }
             depthBefore = gpu::as<float>(gpu::readImage(device, stage.full->depth()));
         }
@@ -248,7 +253,9 @@ void addRows(const CourseResult& run, const Course& course, const BenchCase& wha
     for (std::size_t m = 0; m < kModes; ++m) {
         const Joined& joined = run.methods[m];
         const double ms = median(joined.frameMs);
-        const double alone = run.methods[0].uncoveredError;
+        const auto over = [&](double error) {
+            return finiteOrNull(error > 0 ? joined.uncoveredError / error : NAN);
+        };
         rows.push_back({{"measures", "temporal"},
                         {"scene", fs::path(what.scene).filename().string()},
                         {"camera", what.camera},
@@ -267,8 +274,8 @@ void addRows(const CourseResult& run, const Course& course, const BenchCase& wha
                         {"best_spatial_psnr_db", finiteOrNull(run.bestSpatialDb)},
                         {"flicker", finiteOrNull(mean(joined.flicker))},
                         {"uncovered_pixels", run.uncovered},
-                        {"uncovered_error_ratio",
-                         finiteOrNull(alone > 0 ? joined.uncoveredError / alone : NAN)}});
+                        {"uncovered_error_ratio", over(run.aloneError)},
+                        {"uncovered_over_none", over(run.methods[0].uncoveredError)}});
     }
 }
 
@@ -293,6 +300,9 @@ Result<void> measureScene(const BenchCase& what, const BenchOptions& options, Be
     }
     settings.temporal.mode = TemporalMode::lodestar;
     stage.native.emplace(device, *session.gpuScene, settings);
+    settings.temporal.memory = 0;
+    stage.alone.emplace(device, *session.gpuScene, settings);
+    settings.temporal.memory = options.settings.temporal.memory;
     settings.temporal.mode = TemporalMode::off;
     settings.motion = true;
     stage.full.emplace(device, *session.gpuScene, settings);
@@ -396,17 +406,17 @@ std::vector<Bar> barsOf(const Json& rows) {
 }  // namespace
 
 Bench temporalBench() {
-    return {
-        .name = "temporal",
-        .what = "quality over time of joined pictures: still, panning, moving, S changing",
-        .run = run,
-        .bars = barsOf,
-        .tables = {{"temporal",
-                    {"scene", "path", "s", "method", "frame_ms", "joining_ms", "psnr_db",
-                     "supersampled_psnr_db", "native_supersampled_psnr_db", "best_spatial_psnr_db",
-                     "flicker", "uncovered_pixels", "uncovered_error_ratio"}}},
-        .onCpu = Scope{{384, 216}, 1, 64},
-        .onGpu = Scope{{1280, 720}, 1, 64}};
+    return {.name = "temporal",
+            .what = "quality over time of joined pictures: still, panning, moving, S changing",
+            .run = run,
+            .bars = barsOf,
+            .tables = {{"temporal",
+                        {"scene", "path", "s", "method", "frame_ms", "joining_ms", "psnr_db",
+                         "supersampled_psnr_db", "native_supersampled_psnr_db",
+                         "best_spatial_psnr_db", "flicker", "uncovered_pixels",
+                         "uncovered_error_ratio", "uncovered_over_none"}}},
+            .onCpu = Scope{{384, 216}, 1, 64},
+            .onGpu = Scope{{1280, 720}, 1, 64}};
 }
 
 }  // namespace lodestar::app

@@ -223,7 +223,8 @@ void main() {
             own += w;
         }
     }
-    const bool kept = params.known != 0 && inPicture && matched > 0.02;
+    const bool kept =
+        params.known != 0 && params.memory > 0 && inPicture && matched > 0.02;
     const vec4 sharp = sharpHistory(safe, 1 / outSize);
     // The samples as they would be at the pixel's centre: where they fell by chance evens out.
     vec3 gathered = around.gathered.rgb;

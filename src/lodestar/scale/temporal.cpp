@@ -33,8 +33,8 @@ TemporalOptions checked(const TemporalOptions& o) {
     if (!within(o.k, 1e6f)) throw std::invalid_argument("TemporalOptions::k must be ≥ 0");
     if (!(o.width > 0.05f && o.width <= 4))
         throw std::invalid_argument("TemporalOptions::width must be 0.05 … 4");
-    if (!within(o.memory, 1000) || o.memory < 1)
-        throw std::invalid_argument("TemporalOptions::memory must be 1 … 1000");
+    if (!within(o.memory, 1000))
+        throw std::invalid_argument("TemporalOptions::memory must be 0 … 1000");
     if (!within(o.sharpness, 1))
         throw std::invalid_argument("TemporalOptions::sharpness must be 0 … 1");
     return o;

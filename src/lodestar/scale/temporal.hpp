@@ -29,7 +29,7 @@ struct TemporalOptions {
     // lodestar:
     float width = 0.35f;  ///< σ of the kernel that weighs samples [pixels of the output]
     /// most weight of the history, where a sample at a pixel's centre weighs 1: a quarter of it
-    /// where a pixel travels, four times as much while nothing moves
+    /// where a pixel travels, four times as much while nothing moves; 0: every frame stands alone
     float memory = 12;
     float sharpness = 0.1f;  ///< 0 = none
 };
