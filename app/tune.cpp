@@ -70,29 +70,24 @@ double mseOf(double psnrDb) {
 /// of its own.
 std::vector<Split> splitsToMeasure(const std::array<bool, kTerms>& present, float repair) {
     std::vector<Split> splits{{}};
+    // Of a scene with few terms several of these are the same.
+    const auto add = [&](const budget::TermRates& rates, float share) {
+        Split split{.repair = share};
+        for (std::size_t i = 0; i < kTerms; ++i)
+            if (present[i]) split.rates[i] = rates[i];
+        if (std::find(splits.begin(), splits.end(), split) == splits.end()) splits.push_back(split);
+    };
     for (const float share : {0.0f, repair}) {
-        if (share == 0 && splits.size() > 1) break;
-        for (std::size_t i = 0; i < kTerms; ++i) {
-            if (!present[i]) continue;
+        for (std::size_t i = 0; i < kTerms; ++i)
             for (const float rate : kRates) {
-                Split split{.repair = share};
-                split.rates[i] = rate;
-                splits.push_back(split);
+                budget::TermRates rates{1, 1, 1};
+                rates[i] = rate;
+                if (present[i]) add(rates, share);
             }
-        }
-        for (const float rate : {2.0f, 5.0f}) {
-            Split split{.repair = share};
-            for (std::size_t i = 0; i < kTerms; ++i)
-                if (present[i]) split.rates[i] = rate;
-            if (std::find(splits.begin(), splits.end(), split) == splits.end())
-                splits.push_back(split);
-        }
-        for (const auto& rates : {budget::TermRates{2, 3, 5}, budget::TermRates{5, 2, 3}}) {
-            Split split{.repair = share};
-            for (std::size_t i = 0; i < kTerms; ++i)
-                if (present[i]) split.rates[i] = rates[i];
-            splits.push_back(split);
-        }
+        for (const budget::TermRates& rates :
+             {budget::TermRates{2, 2, 2}, budget::TermRates{5, 5, 5}, budget::TermRates{2, 3, 5},
+              budget::TermRates{5, 2, 3}})
+            add(rates, share);
     }
     return splits;
 }

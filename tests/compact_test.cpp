@@ -59,6 +59,7 @@ protected:
     static gpu::TexelBuffer wordsOf(const std::vector<std::uint32_t>& ids) {
         std::vector<std::uint64_t> values;
         for (const std::uint32_t id : ids) values.push_back(id | 0x123456789abcdefull << 32);
+        if (values.size() % 2 != 0) values.push_back(0);  // they are read by two
         return gpu::makeTexelBuffer(device(), "words", values, vk::Format::eR32G32Uint);
     }
 
@@ -77,10 +78,11 @@ protected:
                 ids.begin() + std::ptrdiff_t(row * band.firstRow * side),
                 ids.begin() + std::ptrdiff_t(row * (band.firstRow + band.rows) * side));
             const gpu::Image image = imageOf(part, {base.width * side, band.rows * side});
-            const gpu::TexelBuffer buffer = wordsOf(part);
+            const gpu::TexelBuffer words = wordsOf(part);
+            const gpu::TexelView pairs(device(), words, vk::Format::eR32G32B32A32Uint);
             gpu::Recorder rec(device());
             rec.begin();
-            pass.record(rec, fromBuffer ? Samples{.words = &buffer} : Samples{.ids = &image}, band,
+            pass.record(rec, fromBuffer ? Samples{.pairs = &pairs} : Samples{.ids = &image}, band,
                         scratch, out);
             rec.submit();
         }

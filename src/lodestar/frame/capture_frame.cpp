@@ -235,7 +235,7 @@ void CaptureFrame::recordBand(gpu::Recorder& r, const Band& band, const glm::mat
         if (band.index > 0) r.barrier(Stage::compute, Stage::transfer);
         compute.pass.record(r, *scene, draws, pictureOf(band, clipFromWorld), compute.scratch,
                             "capture", geometry::DrawPhase::first);
-        samples.words = &compute.scratch.words;
+        samples.pairs = &compute.scratch.pairs;
     }
     compactPass.record(r, samples, band, working.compact, out);
 }

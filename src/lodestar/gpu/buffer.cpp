@@ -8,6 +8,14 @@
 #include <lodestar/gpu/image.hpp>
 
 namespace lodestar::gpu {
+namespace {
+
+vk::raii::BufferView viewOf(const Device& device, vk::Buffer buffer, vk::Format format) {
+    return {device.vk(),
+            vk::BufferViewCreateInfo{.buffer = buffer, .format = format, .range = VK_WHOLE_SIZE}};
+}
+
+}  // namespace
 
 Buffer::Buffer(const Device& owner, std::string name, std::uint64_t bytes, Residence residence)
     : device(&owner), size(std::max<std::uint64_t>(bytes, 16)) {
@@ -64,10 +72,11 @@ TexelBuffer::TexelBuffer(const Device& device, std::string name, std::uint64_t b
     if (count > limit)
         throw DeviceError(fmt::format("'{}' has {} entries, {} takes {}; use a smaller scene", name,
                                       count, device.description().name, limit));
-    texels = vk::raii::BufferView(
-        device.vk(),
-        vk::BufferViewCreateInfo{.buffer = storage.vk(), .format = format, .range = VK_WHOLE_SIZE});
+    texels = viewOf(device, storage.vk(), format);
     device.name(texels, name);
 }
+
+TexelView::TexelView(const Device& device, const TexelBuffer& of, vk::Format format)
+    : storage(of.buffer().vk()), texels(viewOf(device, storage, format)) {}
 
 }  // namespace lodestar::gpu

@@ -66,6 +66,19 @@ private:
     vk::raii::BufferView texels;
 };
 
+/// The same buffer by another format, of whole texels.
+class TexelView {
+public:
+    TexelView(const Device&, const TexelBuffer& of, vk::Format format);
+
+    vk::Buffer buffer() const { return storage; }
+    vk::BufferView view() const { return *texels; }
+
+private:
+    vk::Buffer storage;
+    vk::raii::BufferView texels;
+};
+
 /// A device buffer that holds `values`.
 template <typename T>
 Buffer makeBuffer(const Device& device, std::string name, const std::vector<T>& values) {

@@ -27,6 +27,7 @@ struct Binding {
 
     Binding(const Buffer& b) : buffer{.buffer = b.vk(), .range = VK_WHOLE_SIZE} {}
     Binding(const TexelBuffer& b) : buffer{.buffer = b.buffer().vk()}, texels(b.view()) {}
+    Binding(const TexelView& v) : buffer{.buffer = v.buffer()}, texels(v.view()) {}
     /// A storage image.
     Binding(const View& view);
     Binding(const Image& image) : Binding(image.view()) {}

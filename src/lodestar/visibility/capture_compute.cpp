@@ -82,7 +82,8 @@ std::uint64_t CaptureCompute::Scratch::fixedBytes() {
 }
 
 CaptureCompute::Scratch::Scratch(const gpu::Device& device, std::uint64_t samples)
-    : words(device, "capture: samples", 8 * samples, vk::Format::eR32G32Uint),
+    : words(device, "capture: samples", 16 * ((samples + 1) / 2), vk::Format::eR32G32Uint),
+      pairs(device, words, vk::Format::eR32G32B32A32Uint),
       large(device, "capture: large triangles", 48ull * shared::LS_CAPTURE_LARGE,
             vk::Format::eR32G32B32A32Uint),
       jobs(device, "capture: triangles in tiles", 8ull * shared::LS_CAPTURE_JOBS,

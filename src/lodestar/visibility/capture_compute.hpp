@@ -21,6 +21,7 @@ public:
     struct Scratch {
         Scratch(const gpu::Device&, std::uint64_t samples);
         gpu::TexelBuffer words;  ///< RG32_UINT: id, depth bits
+        gpu::TexelView pairs;    ///< the same by two: RGBA32_UINT
         /// Bytes that do not depend on the samples.
         static std::uint64_t fixedBytes();
         gpu::TexelBuffer large, jobs;

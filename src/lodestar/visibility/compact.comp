@@ -8,11 +8,11 @@
 layout(local_size_x = LS_COMPACT_GROUP) in;
 
 layout(constant_id = 0) const uint kSide = 8;       // s: samples a side of a pixel
-layout(constant_id = 1) const uint kFromBuffer = 0;  // samples lie in `words`, not in `ids`
+layout(constant_id = 1) const uint kFromBuffer = 0;  // samples lie in `pairs`, not in `ids`
 layout(constant_id = 2) const uint kWriteLists = 0;
 
 layout(binding = 0) uniform usampler2D ids;
-layout(binding = 1) uniform usamplerBuffer words;  // a sample: id, depth
+layout(binding = 1) uniform usamplerBuffer pairs;  // two samples: id, depth, id, depth
 layout(binding = 2, scalar) buffer Heads { uint heads[]; };
 layout(binding = 3, scalar) buffer Counts { uint counts[]; };  // words of a pixel's list
 layout(binding = 4, scalar) writeonly buffer Lists { uint lists[]; };
@@ -26,16 +26,22 @@ const uint kNoId = 0xffffffffu;
 
 uvec2 pixel;  // of the band
 
-uint sampleId(uint i) {
-    const uvec2 at = pixel * kSide + uvec2(i % kSide, i / kSide);
-    if (kFromBuffer != 0) return texelFetch(words, int(at.y * params.width * kSide + at.x)).x;
-    return texelFetch(ids, ivec2(at), 0).x;
-}
-
 uint shown[kSamples];  // the ids of the pixel's samples
 
+/// Of those in a buffer two at a time: a fetch of two costs little more than of one.
 void loadShown() {
-    for (uint i = 0; i < kSamples; ++i) shown[i] = sampleId(i);
+    if (kFromBuffer == 0) {
+        for (uint i = 0; i < kSamples; ++i)
+            shown[i] = texelFetch(ids, ivec2(pixel * kSide + uvec2(i % kSide, i / kSide)), 0).x;
+        return;
+    }
+    for (uint i = 0; i < kSamples; i += 2) {
+        const uvec2 at = pixel * kSide + uvec2(i % kSide, i / kSide);
+        const uint index = at.y * params.width * kSide + at.x;  // even, but where s = 1
+        const uvec4 pair = texelFetch(pairs, int(index / 2));
+        shown[i] = index % 2 == 0 ? pair.x : pair.z;
+        if (kSamples > 1) shown[i + 1] = pair.z;
+    }
 }
 
 uvec2 bitOf(uint i) { return i < 32 ? uvec2(1u << i, 0) : uvec2(0, 1u << (i - 32)); }
@@ -67,10 +73,10 @@ void fillSlots(bool mixed) {
 
 /// Takes the next id out of `rest`.
 uint takeFromRest(out uvec2 mask) {
-    const uint id = sampleId(rest.x != 0 ? findLSB(rest.x) : 32 + findLSB(rest.y));
+    const uint id = shown[rest.x != 0 ? findLSB(rest.x) : 32 + findLSB(rest.y)];
     mask = uvec2(0);
     for (uint i = 0; i < kSamples; ++i)
-        if (sampleId(i) == id) mask |= bitOf(i);
+        if (shown[i] == id) mask |= bitOf(i);
     rest &= ~mask;
     return id;
 }

@@ -82,7 +82,7 @@ Compact::Compact(const gpu::Device& device, std::uint32_t s)
                        .format = vk::Format::eR32Uint,
                        .extent = {1, 1},
                        .usage = vk::ImageUsageFlagBits::eSampled}),
-      noWords(device, "no samples", 16, vk::Format::eR32G32Uint),
+      noPairs(device, "no samples", 16, vk::Format::eR32G32B32A32Uint),
       kernels{{{makeKernel(device, side, false, false), makeKernel(device, side, false, true)},
                {makeKernel(device, side, true, false), makeKernel(device, side, true, true)}}} {}
 
@@ -107,10 +107,10 @@ void Compact::record(gpu::Recorder& rec, const Samples& samples, const Band& ban
     const std::uint32_t lines = gpu::groups(groupCount, 32768);
     const vk::Extent3D groups{gpu::groups(groupCount, lines), lines, 1};
     const gpu::View& ids = samples.ids ? samples.ids->view() : noImage.view();
-    const gpu::TexelBuffer& words = samples.words ? *samples.words : noWords;
+    const gpu::Binding pairs = samples.pairs ? gpu::Binding(*samples.pairs) : noPairs;
     const std::vector<gpu::Binding> bindings{
-        {ids, sampler}, words, out.heads.buffer(), scratch.counts, out.lists.buffer(), out.totals};
-    const auto& [count, write] = kernels[samples.words ? 1 : 0];
+        {ids, sampler}, pairs, out.heads.buffer(), scratch.counts, out.lists.buffer(), out.totals};
+    const auto& [count, write] = kernels[samples.pairs ? 1 : 0];
     rec.dispatch(count, groups, bindings, params);
     rec.barrier(Stage::compute, Stage::compute);
     prefixSum.record(rec, scratch.counts, pixels + 1);

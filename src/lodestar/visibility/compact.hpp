@@ -59,7 +59,7 @@ private:
     vk::raii::Sampler sampler;
     gpu::PrefixSum prefixSum;
     gpu::Image noImage;
-    gpu::TexelBuffer noWords;
+    gpu::TexelBuffer noPairs;
     std::array<std::array<gpu::Kernel, 2>, 2> kernels;  ///< [from a buffer][write lists]
 };
 

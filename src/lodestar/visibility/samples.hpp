@@ -15,8 +15,9 @@ struct Band {
 /// What every capture backend leaves behind: an id for each sample of a band of grid C, rows from
 /// the top. One of the two.
 struct Samples {
-    const gpu::Image* ids = nullptr;          ///< R32_UINT, s·w × s·rows or more
-    const gpu::TexelBuffer* words = nullptr;  ///< RG32_UINT: id, depth bits; s·w a row
+    const gpu::Image* ids = nullptr;  ///< R32_UINT, s·w × s·rows or more
+    /// RGBA32_UINT, two samples a texel: id, depth bits, id, depth bits; s·w samples a row
+    const gpu::TexelView* pairs = nullptr;
 };
 
 }  // namespace lodestar::visibility
