@@ -346,6 +346,21 @@ TEST_F(TemporalTest, uncoveredPixelsShowThisFrameAndNoGhost) {
     }
 }
 
+TEST_F(TemporalTest, withoutMemoryEveryFrameStandsAlone) {
+    const auto differenceOf = [&](float memory) {
+        FrameSettings s = settings(TemporalMode::lodestar);
+        s.temporal.memory = memory;
+        Frame fromLeft(device(), *onGpu, s), fromRight(device(), *onGpu, s);
+        fromLeft.render(scene::orbited(camera, camera.at, -0.1f), {});
+        fromRight.render(scene::orbited(camera, camera.at, 0.1f), {});
+        fromLeft.render(camera, {.renderScale = 0.71f});
+        fromRight.render(camera, {.renderScale = 0.71f});
+        return quality::psnr(pictureOf(device(), fromLeft), pictureOf(device(), fromRight));
+    };
+    EXPECT_GE(differenceOf(0), 60);
+    EXPECT_LT(differenceOf(12), 60);
+}
+
 TEST_F(TemporalTest, theSourcesModeSumsTwoStillFrames) {
     Frame joined(device(), *onGpu, settings(TemporalMode::source));
     const auto wanted = reference(camera);
@@ -482,7 +497,7 @@ TEST_F(TemporalTest, refusesWhatMakesNoSense) {
     EXPECT_THROW(make(O{}), std::invalid_argument);
     EXPECT_THROW(make(O{.mode = TemporalMode::source, .k = -1}), std::invalid_argument);
     EXPECT_THROW(make(O{.mode = TemporalMode::lodestar, .width = 0}), std::invalid_argument);
-    EXPECT_THROW(make(O{.mode = TemporalMode::lodestar, .memory = 0}), std::invalid_argument);
+    EXPECT_THROW(make(O{.mode = TemporalMode::lodestar, .memory = -1}), std::invalid_argument);
     EXPECT_THROW(make(O{.mode = TemporalMode::lodestar, .sharpness = 2}), std::invalid_argument);
     Frame frame(device(), *onGpu, settings(TemporalMode::lodestar));
     EXPECT_THROW(frame.render(camera, {.shadingRate = 2, .resizeAll = true}),
