@@ -65,6 +65,7 @@ struct AllParams {
     CullCounts cullCounts;
     ScanParams scan;
     PhaseParams phase;
+    EmitParams emit;
     HizParams hiz;
     CaptureParams capture;
     ViewParams view;
@@ -199,11 +200,14 @@ LS_NAMESPACE_END
     VISIT(p.cullCounts.instancesFound) VISIT(p.cullCounts.clustersHidden) \
     LS_VISIT_3(VISIT, p.cullCounts.beyond[0].groups) \
     LS_VISIT_3(VISIT, p.cullCounts.beyond[1].groups) \
+    VISIT(p.cullCounts.projected[0]) VISIT(p.cullCounts.projected[1]) \
     VISIT(p.project.clipFromWorld) VISIT(p.project.size) VISIT(p.project.firstRow) \
     VISIT(p.project.rows) VISIT(p.project.phase) VISIT(p.project.table) VISIT(p.project.capacity) \
     VISIT(p.scan.source) VISIT(p.scan.result) VISIT(p.scan.times) VISIT(p.scan.capacity) \
     VISIT(p.scan.before) VISIT(p.scan.totals) \
     VISIT(p.phase.phase) VISIT(p.phase.table) \
+    VISIT(p.emit.phase.phase) VISIT(p.emit.phase.table) VISIT(p.emit.totals) \
+    VISIT(p.emit.capacity) \
     VISIT(p.hiz.from) VISIT(p.hiz.to) VISIT(p.hiz.fromOffset) VISIT(p.hiz.toOffset) VISIT(p.hiz.scale) \
     VISIT(p.capture.clipFromWorld) VISIT(p.capture.textureScale) \
     VISIT(p.view.clipFromWorld) VISIT(p.view.viewFromWorld) VISIT(p.view.eye) \
@@ -238,11 +242,11 @@ LS_NAMESPACE_END
     VISIT(p.compactVisibility.capacity) \
     VISIT(p.captureCompute.clipFromWorld) VISIT(p.captureCompute.size) \
     VISIT(p.captureCompute.firstRow) VISIT(p.captureCompute.rows) \
-    VISIT(p.captureCompute.table) VISIT(p.captureCompute.capacity) \
+    VISIT(p.captureCompute.table) \
     VISIT(p.captureCompute.textureScale) \
-    VISIT(p.captureArgs.firstDraw) VISIT(p.captureArgs.capacity) \
+    VISIT(p.captureArgs.firstDraw) VISIT(p.captureArgs.projected) \
     LS_VISIT_3(VISIT, p.captureQueue.groups) VISIT(p.captureQueue.first) \
-    LS_VISIT_3(VISIT, p.captureQueue.slowGroups) VISIT(p.captureQueue.count) \
+    LS_VISIT_3(VISIT, p.captureQueue.slowGroups) VISIT(p.captureQueue.count) VISIT(p.captureQueue.projected) \
     LS_VISIT_3(VISIT, p.captureQueue.clipGroups) VISIT(p.captureQueue.clipped) \
     LS_VISIT_3(VISIT, p.captureQueue.splitGroups) VISIT(p.captureQueue.large) \
     LS_VISIT_3(VISIT, p.captureQueue.tileGroups) VISIT(p.captureQueue.tiles) \

@@ -27,12 +27,15 @@ struct RateGroup {
     shading::Coarse::Mask terms;
 };
 
-/// By rate, the coarsest first.
-std::vector<RateGroup> rateGroups(const budget::Levers& levers, float supersample) {
+/// Of the terms that there are, the coarsest first. Without any: the constants they are then.
+std::vector<RateGroup> rateGroups(const budget::Levers& levers, float supersample,
+                                  shading::Coarse::Mask present) {
+    if (present == 0) return {{1, 0}};
     std::vector<RateGroup> groups;
     for (std::size_t i = 0; i < budget::kTerms; ++i) {
         const float rate = levers.rate(budget::Term(i)) * supersample;
         const shading::Coarse::Mask bit = 1u << i;
+        if ((present & bit) == 0) continue;
         const auto same = std::find_if(groups.begin(), groups.end(), [&](const RateGroup& group) {
             return std::abs(group.rate - rate) < 1e-3f;
         });
@@ -349,7 +352,8 @@ void Frame::evaluateTerms(const budget::Levers& levers) {
     refines = false;
     if (repairing) upsample::RepairSelect::clear(rec, repairList);
     shading::Coarse::Mask written = 0, toRepair = 0;
-    for (const RateGroup& group : rateGroups(levers, static_cast<float>(options.supersample))) {
+    for (const RateGroup& group :
+         rateGroups(levers, static_cast<float>(options.supersample), coarse.present())) {
         // The first group fills the image, the others replace their channels.
         const auto mask = written == 0 ? shading::Coarse::Mask(shared::LS_ALL_TERMS) : group.terms;
         if (written != 0) rec.barrier(Stage::compute, Stage::compute);

@@ -60,6 +60,12 @@ geometry::LodChoice lightLods(const geometry::LodChoice& eye) {
     return {.mode = eye.mode == Mode::off ? Mode::off : Mode::error, .errorPx = 0.5f};
 }
 
+shading::Coarse::Mask termsOf(const FrameSettings& s) {
+    return (s.shadowTaps > 0 ? shared::LS_TERM_SHADOW : 0) |
+           (s.skyViews > 0 ? shared::LS_TERM_AO : 0) |
+           (s.noiseOctaves > 0 ? shared::LS_TERM_NOISE : 0);
+}
+
 const FrameSettings& checked(const FrameSettings& s) {
     if (s.size.width < 1 || s.size.height < 1 || s.size.width > 16384 || s.size.height > 16384)
         throw std::invalid_argument("FrameSettings::size must be 1 … 16384 pixels a side");
@@ -142,7 +148,7 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       listTiles(owner),
       rebuildPass(owner, gpuScene.features()),
       background(owner),
-      coarse(owner),
+      coarse(owner, termsOf(s)),
       upsample(owner, s.reconstruct),
       refine(owner),
       repairSelect(owner),

@@ -189,7 +189,7 @@ Cull::Cull(const gpu::Device& device)
       cullTriangles(makeCullTriangles(device, false)),
       cullProjected(makeCullTriangles(device, true)),
       emit(device, "emit", kEmitCode, slots({{Slot::texelBuffer, 1}, {Slot::storageBuffer, 5}}),
-           sizeof(TotalledPhase)),
+           sizeof(shared::EmitParams)),
       scanBlocks(device, "scan blocks", kScanBlocksCode, slots({{Slot::storageBuffer, 2}}),
                  sizeof(ScanParams)),
       scanTotals(device, "scan totals", kScanTotalsCode, slots({{Slot::storageBuffer, 2}}),
@@ -380,7 +380,7 @@ void Cull::listTriangles(gpu::Recorder& rec, const scene::GpuScene& scene, DrawL
     rec.dispatchIndirect(emit, list.counts, at(clusters, kWords),
                          {scene.clusters, list.counts, list.masks, list.triangleOffsets,
                           list.ids.buffer(), list.draws},
-                         TotalledPhase{phase, list.clusterPlaces});
+                         shared::EmitParams{phase, list.clusterPlaces, params.capacity});
 }
 
 }  // namespace lodestar::geometry

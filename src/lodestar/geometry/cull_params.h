@@ -80,6 +80,7 @@ struct CullCounts {
     uint instancesFound;   // of these, by the second phase
     uint clustersHidden;
     CullBeyond beyond[2];
+    uint projected[2];  // end of the phase's triangles whose vertices are projected: in the list
 };
 
 struct ScanParams {
@@ -94,6 +95,12 @@ struct ScanParams {
 struct PhaseParams {
     uint phase;  // 0 or 1
     uint table;  // where the view's clusters begin in GpuScene::clusters
+};
+
+struct EmitParams {
+    PhaseParams phase;
+    uint totals;    // as in ScanParams
+    uint capacity;  // as in ProjectParams
 };
 
 struct HizParams {
@@ -130,6 +137,6 @@ LS_NAMESPACE_END
 #ifdef __cplusplus
 static_assert(sizeof(lodestar::shared::CullParams) == 448);
 static_assert(sizeof(lodestar::shared::CullList) == 48);
-static_assert(sizeof(lodestar::shared::CullCounts) == 424);
+static_assert(sizeof(lodestar::shared::CullCounts) == 432);
 #endif
 #endif

@@ -28,7 +28,8 @@ const std::vector<gpu::SlotArray> kInputSlots{Slot::uniformBuffer, Slot::uniform
                                               Slot::sampledImage,  Slot::sampledImage,
                                               Slot::sampledImage,  Slot::storageImage};
 
-gpu::Kernel makeFull(const gpu::Device& device, const char* name, bool merge, bool points) {
+gpu::Kernel makeFull(const gpu::Device& device, const char* name, Coarse::Mask present, bool merge,
+                     bool points) {
     auto slots = kInputSlots;
     slots.insert(slots.end(), {Slot::sampledImage, Slot::texelBuffer});
     return {device,
@@ -36,14 +37,19 @@ gpu::Kernel makeFull(const gpu::Device& device, const char* name, bool merge, bo
             kTermsCode,
             scene::withSceneSlots(slots),
             sizeof(shared::CoarseParams),
-            {merge, points}};
+            {merge, points, present}};
 }
 
 gpu::Kernel makeListed(const gpu::Device& device, const char* name,
-                       std::span<const std::uint32_t> code) {
+                       Coarse::Mask present, std::span<const std::uint32_t> code) {
     auto slots = kInputSlots;
     slots.insert(slots.end(), 2, Slot::storageBuffer);
-    return {device, name, code, scene::withSceneSlots(slots), sizeof(shared::CoarseParams)};
+    return {device,
+            name,
+            code,
+            scene::withSceneSlots(slots),
+            sizeof(shared::CoarseParams),
+            {0, 0, present}};
 }
 
 std::vector<gpu::Binding> bindings(const Coarse::Inputs& in, const vk::raii::Sampler& sampler,
@@ -79,20 +85,21 @@ vk::Extent2D coarseExtent(vk::Extent2D full, float rate) {
     return {along(full.width), along(full.height)};
 }
 
-Coarse::Coarse(const gpu::Device& device)
-    : pointSampler(device.vk(), vk::SamplerCreateInfo{}),
+Coarse::Coarse(const gpu::Device& device, Mask present)
+    : terms(present),
+      pointSampler(device.vk(), vk::SamplerCreateInfo{}),
       noPoints(device, {.name = "no points",
                         .format = vk::Format::eR32G32Sfloat,
                         .extent = {1, 1},
                         .usage = vk::ImageUsageFlagBits::eSampled}),
-      full(makeFull(device, "terms", false, false)),
-      fullMerge(makeFull(device, "some terms", true, false)),
-      fullPoints(makeFull(device, "terms at points", false, true)),
-      repair(makeListed(device, "repair terms", kRepairCode)),
+      full(makeFull(device, "terms", present, false, false)),
+      fullMerge(makeFull(device, "some terms", present, true, false)),
+      fullPoints(makeFull(device, "terms at points", present, false, true)),
+      repair(makeListed(device, "repair terms", present, kRepairCode)),
       list(device, "list coarse terms", kListCode,
            {Slot::sampledImage, Slot::storageImage, Slot::storageBuffer, Slot::storageBuffer},
            sizeof(shared::CoarseParams)),
-      coarse(makeListed(device, "coarse terms", kCoarseCode)) {}
+      coarse(makeListed(device, "coarse terms", present, kCoarseCode)) {}
 
 void Coarse::record(gpu::Recorder& rec, const scene::GpuScene& scene, const Inputs& in, Mask terms,
                     float rate, const gpu::TexelList& covered, gpu::View out,

@@ -20,7 +20,12 @@ vk::Extent2D coarseExtent(vk::Extent2D full, float rate);
 /// et al. 2008, §2.3, fine-grained resizing).
 class Coarse {
 public:
-    explicit Coarse(const gpu::Device&);
+    /// Which of the terms: bits LS_TERM_…
+    using Mask = std::uint32_t;
+
+    /// `present`: those that there are; the others are left out of the shaders and are 1.
+    explicit Coarse(const gpu::Device&, Mask present = shared::LS_ALL_TERMS);
+    Mask present() const { return terms; }
 
     struct Inputs {
         gpu::View ids;             ///< grid O, R32_UINT: triangle ids
@@ -34,9 +39,6 @@ public:
         upsample::Packing packing = upsample::Packing::full;  ///< of texels of S
         const gpu::TileList* tiles = nullptr;  ///< of `ids`, for recordFull; none: all
     };
-    /// Which of the terms: bits LS_TERM_…
-    using Mask = std::uint32_t;
-
     /// Writes the part of `coarse` (RGBA32_UINT) that coarseExtent(ids, rate) names. The terms are
     /// evaluated where it shows a surface: those texels are listed in `covered`. With `step` 2
     /// every second texel of every second row alone, for upsample::Refine. Passes "list terms",
@@ -55,6 +57,7 @@ public:
                       const upsample::RepairList& list, gpu::View terms) const;
 
 private:
+    Mask terms;
     vk::raii::Sampler pointSampler;
     gpu::Image noPoints;  ///< what is bound where there are none
     gpu::Kernel full, fullMerge, fullPoints, repair, list, coarse;

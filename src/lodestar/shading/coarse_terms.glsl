@@ -8,6 +8,8 @@
 #include "coarse_params.h"
 #include "light_visibility.glsl"
 
+layout(constant_id = 2) const uint kTerms = LS_ALL_TERMS;  // what there is: others are 1
+
 layout(binding = 6, scalar) uniform View { ViewParams view; };
 layout(binding = 7, scalar) uniform Light { LightParams light; };
 layout(binding = 8) uniform usampler2D ids;
@@ -53,7 +55,8 @@ float skyVisibility(SurfacePoint at, int views) {
 }
 
 /// A term that is not asked for costs nothing: its loops run no time.
-vec4 evaluateTerms(SurfacePoint at, uint terms) {
+vec4 evaluateTerms(SurfacePoint at, uint asked) {
+    const uint terms = asked & kTerms;
     const int taps = (terms & LS_TERM_SHADOW) != 0 ? int(light.shadowTaps) : 0;
     const int views = (terms & LS_TERM_AO) != 0 ? int(light.skyViewCount) : 0;
     const int octaves = (terms & LS_TERM_NOISE) != 0 ? int(light.noiseOctaves) : 0;

@@ -16,15 +16,20 @@ layout(binding = 2, scalar) writeonly buffer Masked { CaptureQueueCounts masked;
 layout(binding = 3, scalar) readonly buffer Lists { CullCounts lists; };
 layout(push_constant, scalar) uniform Push { CaptureArgsParams params; };
 
-CaptureQueueCounts queueOf(uint bin, bool beyond) {
+/// One thread a triangle.
+uint[3] groupsOf(uint triangles) {
+    const uint groups = (triangles + LS_CAPTURE_GROUP - 1) / LS_CAPTURE_GROUP;
+    const uint rows = max((groups + 32767) / 32768, 1);
+    return uint[3]((groups + rows - 1) / rows, rows, 1);
+}
+
+CaptureQueueCounts queueOf(uint bin, uint projectedEnd) {
     const uint first = draws[bin].firstVertex / 3;
     const uint count = (draws[bin].vertexCount + draws[bin + 1].vertexCount) / 3;
-    const uint groups = (count + LS_CAPTURE_GROUP - 1) / LS_CAPTURE_GROUP;
-    const uint rows = max((groups + 32767) / 32768, 1);
-    const uint columns = (groups + rows - 1) / rows;
     CaptureQueueCounts q;
-    q.groups = uint[3](params.capacity > 0 ? columns : 0, rows, 1);
-    q.slowGroups = uint[3](beyond ? columns : 0, rows, 1);
+    q.projected = clamp(projectedEnd, first, first + count) - first;
+    q.groups = groupsOf(q.projected);
+    q.slowGroups = groupsOf(count - q.projected);
     q.clipGroups = uint[3](0, 1, 1);
     q.splitGroups = uint[3](0, 1, 1);
     q.tileGroups = uint[3](0, 1, 1);
@@ -38,9 +43,7 @@ CaptureQueueCounts queueOf(uint bin, bool beyond) {
 }
 
 void main() {
-    const uint clusters = lists.lists[LS_LIST_CLUSTERS].count +
-                          (params.firstDraw > 0 ? lists.lists[LS_LIST_CLUSTERS_2].count : 0);
-    const bool beyond = clusters > params.capacity;
-    opaque = queueOf(params.firstDraw, beyond);
-    masked = queueOf(params.firstDraw + 2, beyond);
+    const uint end = params.projected != 0 ? lists.projected[params.firstDraw / 4] : 0;
+    opaque = queueOf(params.firstDraw, end);
+    masked = queueOf(params.firstDraw + 2, end);
 }

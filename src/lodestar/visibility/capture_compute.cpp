@@ -120,25 +120,24 @@ void CaptureCompute::record(gpu::Recorder& rec, const scene::GpuScene& scene,
                                               .firstRow = picture.firstRow,
                                               .rows = picture.rows,
                                               .table = list.table,
-                                              .capacity = projected ? list.projectedClusters : 0,
                                               .textureScale = picture.textureScale};
     if (phase != DrawPhase::second) {
         rec.fill(scratch.words.buffer(), 0);
-        recordPhase(rec, scene, list, params, scratch, 0);
+        recordPhase(rec, scene, list, params, scratch, 0, projected);
     }
-    if (phase != DrawPhase::first) recordPhase(rec, scene, list, params, scratch, 1);
+    if (phase != DrawPhase::first) recordPhase(rec, scene, list, params, scratch, 1, projected);
     rec.barrier(Stage::transfer, Stage::compute);  // a scene of nothing has no more
 }
 
 void CaptureCompute::recordPhase(gpu::Recorder& rec, const scene::GpuScene& scene,
                                  const geometry::DrawList& list,
                                  const shared::CaptureComputeParams& params, const Scratch& scratch,
-                                 std::uint32_t phase) const {
+                                 std::uint32_t phase, bool projected) const {
     const auto firstDraw = static_cast<std::uint32_t>(phase * scene::kDrawBins);
     rec.barrier(Stage::indirect, Stage::compute);  // the phase before
     rec.dispatch(args, {1, 1, 1},
                  {list.draws, scratch.opaqueCounts, scratch.maskedCounts, list.counts},
-                 shared::CaptureArgsParams{firstDraw, params.capacity});
+                 shared::CaptureArgsParams{firstDraw, projected});
     rec.barrier(Stage::compute, Stage::indirect);
     const auto& bins = scene.binStarts();
     if (bins[0] != bins[2])

@@ -48,8 +48,8 @@ private:
     static Queue makeQueue(const gpu::Device&, const scene::SceneFeatures&, bool masked);
 
     void recordPhase(gpu::Recorder&, const scene::GpuScene&, const geometry::DrawList&,
-                     const shared::CaptureComputeParams&, const Scratch&,
-                     std::uint32_t phase) const;
+                     const shared::CaptureComputeParams&, const Scratch&, std::uint32_t phase,
+                     bool projected) const;
     void recordQueue(gpu::Recorder&, const scene::GpuScene&, const geometry::DrawList&,
                      const shared::CaptureComputeParams&, const Scratch&, const Queue&,
                      const gpu::Buffer& counts) const;

@@ -19,13 +19,12 @@ struct CaptureComputeParams {
     uint firstRow;      // of the band, in grid C
     uint rows;          // of the band
     uint table;         // where the view's clusters begin in GpuScene::clusters
-    uint capacity;      // clusters whose vertices are projected
     vec2 textureScale;  // as CaptureParams has it
 };
 
 struct CaptureArgsParams {
-    uint firstDraw;
-    uint capacity;
+    uint firstDraw;  // of the phase
+    uint projected;  // whether vertices are, for this picture
 };
 
 /// Of one queue: opaque triangles or alpha-masked ones. Workgroups are for indirect dispatch; those
@@ -35,6 +34,7 @@ struct CaptureQueueCounts {
     uint first;           // listed triangle
     uint slowGroups[3];   // the same, of clusters that are not projected
     uint count;           // of triangles
+    uint projected;       // the first of them: those whose vertices are
     uint clipGroups[3];   // one thread a triangle
     uint clipped;         // those that must be clipped
     uint splitGroups[3];  // LS_CAPTURE_SPLITTERS threads a triangle
@@ -46,7 +46,7 @@ struct CaptureQueueCounts {
 
 LS_NAMESPACE_END
 #ifdef __cplusplus
-static_assert(sizeof(lodestar::shared::CaptureComputeParams) == 96);
-static_assert(sizeof(lodestar::shared::CaptureQueueCounts) == 84);
+static_assert(sizeof(lodestar::shared::CaptureComputeParams) == 92);
+static_assert(sizeof(lodestar::shared::CaptureQueueCounts) == 88);
 #endif
 #endif

@@ -10,9 +10,12 @@ layout(constant_id = 4) const uint kProjected = 1;  // those whose vertices are,
 void main() {
     const uint index = gl_GlobalInvocationID.x +
                        gl_GlobalInvocationID.y * gl_NumWorkGroups.x * LS_CAPTURE_GROUP;
-    const uint id = texelFetch(listedIds, int(counts.first + min(index, counts.count - 1))).x;
+    const uint begin = kProjected != 0 ? 0 : counts.projected;
+    const uint count = (kProjected != 0 ? counts.projected : counts.count) - begin;
+    const bool listed = index < count;
+    const uint id =
+        texelFetch(listedIds, int(counts.first + begin + min(index, count - 1))).x;
     const uint cluster = id >> LS_TRIANGLE_BITS, slot = cluster - params.table;
-    const bool listed = index < counts.count && (slot < params.capacity) == (kProjected != 0);
     const uvec4 what = texelFetch(sceneClusters, int(2 * cluster));  // a GpuCluster
     const GpuTriangle stored = loadStoredTriangle(what.z + (id & LS_TRIANGLE_MASK));
 
