@@ -40,15 +40,11 @@ gpu::Kernel makeFull(const gpu::Device& device, const char* name, Coarse::Mask p
             {merge, points, present}};
 }
 
-gpu::Kernel makeListed(const gpu::Device& device, const char* name,
-                       Coarse::Mask present, std::span<const std::uint32_t> code) {
+gpu::Kernel makeListed(const gpu::Device& device, const char* name, Coarse::Mask present,
+                       std::span<const std::uint32_t> code) {
     auto slots = kInputSlots;
     slots.insert(slots.end(), 2, Slot::storageBuffer);
-    return {device,
-            name,
-            code,
-            scene::withSceneSlots(slots),
-            sizeof(shared::CoarseParams),
+    return {device,         name, code, scene::withSceneSlots(slots), sizeof(shared::CoarseParams),
             {0, 0, present}};
 }
 
