@@ -446,7 +446,7 @@ TEST_F(CullTest, aHiZTexelIsTheFarthestOfAllPixelsBelowItAndOfNoOthers) {
         f.rec.submit();
         const auto pixels = gpu::as<float>(gpu::readImage(device(), depth));
         const auto texels = f.records<float>(hiz.pyramid());
-        std::uint32_t texel = 4;
+        std::uint32_t texel = 1u << shared::LS_HIZ_FIRST;
         for (const HiZ::Level& level : hiz.levels()) {
             for (std::uint32_t y = 0; y < level.height; ++y)
                 for (std::uint32_t x = 0; x < level.width; ++x) {

@@ -142,8 +142,12 @@ DrawList::DrawList(const gpu::Device& device, const scene::GpuScene& scene, cons
       draws(device, name + ": draws", 2 * scene::kDrawBins * sizeof(vk::DrawIndirectCommand)),
       counts(device, name + ": counts", sizeof(shared::CullCounts)),
       projected(device, name + ": projected vertices",
-                16ull * shared::LS_MESHLET_VERTICES * std::min(scene.clusterCapacity(), projects),
-                vk::Format::eR32G32B32A32Uint),
+                8ull * shared::LS_MESHLET_VERTICES * std::min(scene.clusterCapacity(), projects),
+                vk::Format::eR32G32Uint),
+      projectedDepths(
+          device, name + ": depths of projected vertices",
+          4ull * shared::LS_MESHLET_VERTICES * std::min(scene.clusterCapacity(), projects),
+          vk::Format::eR32Sfloat),
       projectedClusters(std::min(scene.clusterCapacity(), projects)),
       params(device, name + ": view", sizeof(shared::CullParams)),
       chunkOffsets(device, name + ": chunk offsets", scanBytes(scene.chunkCount())),
@@ -184,7 +188,7 @@ Cull::Cull(const gpu::Device& device)
               scene::withSceneSlots(slots({{Slot::texelBuffer, 1}, {Slot::storageBuffer, 6}})),
               sizeof(TotalledPhase)),
       project(device, "project", kProjectCode,
-              scene::withSceneSlots(slots({{Slot::texelBuffer, 1}, {Slot::storageBuffer, 2}})),
+              scene::withSceneSlots(slots({{Slot::texelBuffer, 1}, {Slot::storageBuffer, 3}})),
               sizeof(shared::ProjectParams)),
       cullTriangles(makeCullTriangles(device, false)),
       cullProjected(makeCullTriangles(device, true)),
@@ -360,7 +364,8 @@ void Cull::listTriangles(gpu::Recorder& rec, const scene::GpuScene& scene, DrawL
         params.capacity = list.projectedClusters;
         rec.dispatchIndirect(
             project, list.counts, at(clusters, kWords),
-            scene::withScene(scene, {scene.meshletVertices, list.counts, list.projected.buffer()}),
+            scene::withScene(scene, {scene.meshletVertices, list.counts, list.projected.buffer(),
+                                     list.projectedDepths.buffer()}),
             params);
         rec.barrier(Stage::compute, Stage::compute);
         rec.barrier(Stage::compute, Stage::indirect);

@@ -73,9 +73,9 @@ struct DrawList {
                            ///< phase, then those of the second
     gpu::Buffer counts;    ///< shared::CullCounts
 
-    /// Of the first clusters, for CullView::samples: 64 words of RGBA32_UINT a cluster, one a
-    /// vertex (project.comp).
-    gpu::TexelBuffer projected;
+    /// Of the first clusters, for CullView::samples: 64 places a cluster, one a vertex
+    /// (project.glsl: packProjected), and what is z/w there.
+    gpu::TexelBuffer projected, projectedDepths;
     std::uint32_t projectedClusters;        ///< at most
     std::optional<SampledPicture> samples;  ///< what they were projected for
 

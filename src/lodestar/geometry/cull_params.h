@@ -18,7 +18,7 @@ const uint LS_LOD_ERROR = 1;
 const uint LS_LOD_DISTANCE = 2;
 
 const uint LS_HIZ_LEVELS = 16;
-const uint LS_HIZ_FIRST = 2;  // the finest level has one texel for 4×4 pixels
+const uint LS_HIZ_FIRST = 1;  // the finest level has one texel for 2×2 pixels
 
 /// A view to cull for, in a uniform buffer.
 struct CullParams {

@@ -34,25 +34,27 @@ bool hiddenBehind(mat4 hizFromWorld, vec3 centre, float radius) {
     const vec2 x = rangeOver(rows[0], rows[3], centre, radius);
     const vec2 y = rangeOver(rows[1], rows[3], centre, radius);
     const float nearest = rangeOver(rows[2], rows[3], centre, radius).y * (1 + 1e-4);
-    // A pixel more to each side: for rounding, and where the rasteriser snaps vertices to.
-    const vec2 low = max((vec2(x.x, y.x) * 0.5 + 0.5) * params.hizSize - 1, vec2(0));
+    // A little more to each side: for rounding, and for where a rasteriser snaps vertices to, which is
+    // at most 1/16 of a pixel that is twice as wide.
+    const float margin = 0.25;
+    const vec2 low = max((vec2(x.x, y.x) * 0.5 + 0.5) * params.hizSize - margin, vec2(0));
     const vec2 high =
-        min((vec2(x.y, y.y) * 0.5 + 0.5) * params.hizSize + 1, params.hizSize - 1);
+        min((vec2(x.y, y.y) * 0.5 + 0.5) * params.hizSize + margin, params.hizSize - 1);
     if (any(greaterThan(low, high))) return false;  // beside the picture
 
-    // The level at which the rectangle meets at most 2×2 texels.
+    // The level at which the rectangle meets at most 5×5 texels: fewer reach further beyond it.
     const vec2 extent = high - low;
-    const int level =
-        clamp(int(ceil(log2(max(extent.x, extent.y)))), int(LS_HIZ_FIRST), int(params.hizLevels) - 1);
+    const int level = clamp(int(ceil(log2(max(extent.x, extent.y) / 4))), int(LS_HIZ_FIRST),
+                            int(params.hizLevels) - 1);
     const ivec2 first = ivec2(low) >> level, last = ivec2(high) >> level;
-    if (any(greaterThan(last - first, ivec2(1)))) return false;
+    if (any(greaterThan(last - first, ivec2(4)))) return false;
     const int width = (int(params.hizSize.x) + (1 << level) - 1) >> level;
     const int at = int(params.hizOffsets[level]);
-    const float d0 = texelFetch(pyramid, at + first.y * width + first.x).x;
-    const float d1 = texelFetch(pyramid, at + first.y * width + last.x).x;
-    const float d2 = texelFetch(pyramid, at + last.y * width + first.x).x;
-    const float d3 = texelFetch(pyramid, at + last.y * width + last.x).x;
-    return nearest < min(min(d0, d1), min(d2, d3));
+    float farthest = nearest + 1;
+    for (int row = first.y; row <= last.y; ++row)
+        for (int column = first.x; column <= last.x; ++column)
+            farthest = min(farthest, texelFetch(pyramid, at + row * width + column).x);
+    return nearest < farthest;
 }
 #endif
 

@@ -42,15 +42,13 @@ bool canCoverAPixel(vec4 a, vec4 b, vec4 c, bool doubleSided) {
     return doubleSided || area < kSnap * (reach + kSnap);
 }
 
-/// The same of projected vertices, in the samples that will be asked. Clipping rounds anew: a step or
-/// two of those.
-bool canCoverASample(uvec4 a, uvec4 b, uvec4 c) {
-    const uint flags = a.w | b.w | c.w;
-    if ((a.w & b.w & c.w & LS_PROJECTED_OUTSIDE) != 0) return false;
-    if ((flags & LS_PROJECTED_NOWHERE) != 0) return true;
-    const int slack = (flags & LS_PROJECTED_CLIP) != 0 ? 2 : 0;
-    const ivec2 p = ivec2(a.xy), q = ivec2(b.xy), r = ivec2(c.xy);
-    const ivec2 low = min(p, min(q, r)) - slack, high = max(p, max(q, r)) + slack;
+/// The same of projected vertices, in the samples that will be asked.
+bool canCoverASample(uvec2 a, uvec2 b, uvec2 c) {
+    const uint flags = a.x | b.x | c.x;
+    if ((a.x & b.x & c.x & LS_PROJECTED_OUTSIDE) != 0) return false;
+    if ((flags & LS_PROJECTED_CLIP) != 0) return true;
+    const ivec2 p = placeOf(a), q = placeOf(b), r = placeOf(c);
+    const ivec2 low = min(p, min(q, r)), high = max(p, max(q, r));
     const int middle = int(LS_PROJECTED_STEPS / 2);
     const ivec2 first = max((low + (middle - 1)) >> 8, ivec2(0, push.firstRow));
     const ivec2 last = min((high - middle) >> 8, ivec2(push.size.x, push.firstRow + push.rows) - 1);
@@ -59,8 +57,7 @@ bool canCoverASample(uvec4 a, uvec4 b, uvec4 c) {
     const vec2 u = vec2(q - p), v = vec2(r - p);
     const float one = u.x * v.y, other = u.y * v.x;
     const float area = (flags & LS_PROJECTED_REFLECTED) != 0 ? other - one : one - other;
-    const float rounding = (abs(one) + abs(other)) * 1e-6 +
-                           float(slack) * (abs(u.x) + abs(u.y) + abs(v.x) + abs(v.y) + float(slack));
+    const float rounding = (abs(one) + abs(other)) * 1e-6;
     return area < rounding || (flags & LS_PROJECTED_DOUBLE_SIDED) != 0;
 }
 
@@ -95,9 +92,9 @@ void main() {
         bool drawn = params.mode == LS_CULL_NONE;
         if (kProjected != 0) {
             const ivec3 own = place + ivec3(uvec3(t.own, t.own >> 8, t.own >> 16) & 255u);
-            drawn = drawn || canCoverASample(texelFetch(projected, own.x),
-                                             texelFetch(projected, own.y),
-                                             texelFetch(projected, own.z));
+            drawn = drawn || canCoverASample(texelFetch(projected, own.x).xy,
+                                             texelFetch(projected, own.y).xy,
+                                             texelFetch(projected, own.z).xy);
         } else {
             const vec4 a = clipFromObject * vec4(loadVertex(t.a).position, 1);
             const vec4 b = clipFromObject * vec4(loadVertex(t.b).position, 1);

@@ -7,8 +7,9 @@
 /// end. Pixels beyond the last row and column stand for those.
 ivec4 pixelsBelow(ivec2 texel) {
     const vec2 slack = vec2(equal(params.scale, vec2(1))) * -1.0 / 64 + 1.0 / 64;
-    return ivec4(max(vec2(4 * texel) * params.scale - slack, 0),
-                 ceil(vec2(4 * texel + 4) * params.scale + slack));
+    const ivec2 first = texel << LS_HIZ_FIRST, end = texel + 1 << LS_HIZ_FIRST;
+    return ivec4(max(vec2(first) * params.scale - slack, 0),
+                 ceil(vec2(end) * params.scale + slack));
 }
 
 #endif

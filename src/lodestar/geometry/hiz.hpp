@@ -6,7 +6,7 @@
 
 namespace lodestar::geometry {
 
-/// The farthest depth of every 4×4, 8×8, … pixels of a picture, and where it was seen from: what
+/// The farthest depth of every 2×2, 4×4, … pixels of a picture, and where it was seen from: what
 /// may hide the next one. Reversed depth, so a texel is the least of those below it. Sizes are
 /// rounded up, so any picture size is exact.
 class HiZ {

@@ -9,7 +9,8 @@ layout(local_size_x = LS_SPAN) in;
 
 layout(binding = 6) uniform usamplerBuffer meshletVertices;
 layout(binding = 7, scalar) buffer Counts { CullCounts counts; };
-layout(binding = 8, scalar) writeonly buffer Vertices { uvec4 vertices[]; };
+layout(binding = 8, scalar) writeonly buffer Vertices { uvec2 vertices[]; };
+layout(binding = 9, scalar) writeonly buffer Depths { float depths[]; };
 layout(push_constant, scalar) uniform Push { ProjectParams push; };
 
 void main() {
@@ -38,12 +39,11 @@ void main() {
     for (uint i = thread % LS_WORDS; i < count; i += LS_WORDS) {
         const uint vertex = texelFetch(meshletVertices, int(meshlet.y + i)).x;
         const vec4 clip = clipOf(push.clipFromWorld, instance, vertex);
-        const bool placed = clip.z <= clip.w && clip.w > 0 &&
-                            max(abs(clip.x), abs(clip.y)) < 32 * clip.w;
+        const bool placed = inReach(clip);
         const ivec2 at = placed ? snappedTo(clip, push.size) : ivec2(0);
-        vertices[slot * LS_MESHLET_VERTICES + i] =
-            uvec4(at, floatBitsToUint(clip.z / clip.w),
-                  flags | outside(clip) | (inReach(clip) ? 0 : LS_PROJECTED_CLIP) |
-                      (placed ? 0 : LS_PROJECTED_NOWHERE));
+        const uint own = flags | outside(clip) | (placed ? 0 : LS_PROJECTED_CLIP);
+        const uint place = slot * LS_MESHLET_VERTICES + i;
+        vertices[place] = packProjected(at, own);
+        depths[place] = clip.z / clip.w;
     }
 }

@@ -24,6 +24,12 @@ bool inReach(vec4 clip) {
     return clip.z <= clip.w && clip.w > 0 && max(abs(clip.x), abs(clip.y)) <= 2 * clip.w;
 }
 
+/// A vertex on the grid, in two words: coordinates of 24 bits, as inReach leaves them, and its flags.
+uvec2 packProjected(ivec2 at, uint flags) {
+    return uvec2(at << LS_PROJECTED_BITS) | uvec2(flags, 0);
+}
+ivec2 placeOf(uvec2 vertex) { return ivec2(vertex) >> LS_PROJECTED_BITS; }
+
 /// Which sides of the view volume it is outside of: LS_PROJECTED_OUTSIDE.
 uint outside(vec4 clip) {
     return uint(clip.x > clip.w) | uint(clip.x < -clip.w) << 1 | uint(clip.y > clip.w) << 2 |

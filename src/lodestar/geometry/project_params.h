@@ -8,12 +8,11 @@ const uint LS_PROJECTED_STEPS = 256;  // of a sample that vertices snap to
 
 // Flags of a projected vertex. Outside one plane of the view each:
 const uint LS_PROJECTED_OUTSIDE = 31u;
-const uint LS_PROJECTED_CLIP = 32u;     // before the near plane, or far beyond the picture
-const uint LS_PROJECTED_NOWHERE = 64u;  // has no place on the grid, before the near plane or beyond
-                                        // what integers hold
+const uint LS_PROJECTED_CLIP = 32u;  // before the near plane, or far beyond the picture: no place
 // Of its cluster:
-const uint LS_PROJECTED_REFLECTED = 128u;
-const uint LS_PROJECTED_DOUBLE_SIDED = 256u;
+const uint LS_PROJECTED_REFLECTED = 64u;
+const uint LS_PROJECTED_DOUBLE_SIDED = 128u;
+const uint LS_PROJECTED_BITS = 8u;  // of the flags
 
 /// Which clusters, and on which samples.
 struct ProjectParams {

@@ -57,6 +57,7 @@ CaptureCompute::Queue CaptureCompute::makeQueue(const gpu::Device& device,
                                           {Slot::sampledImage, shared::LS_TEXTURE_ARRAYS}};
         slots.insert(slots.end(), 6, Slot::texelBuffer);
         slots.insert(slots.end(), 7, Slot::storageBuffer);
+        slots.emplace_back(Slot::texelBuffer);
         return gpu::Kernel(device, std::string("capture: ") + name + (masked ? ", masked" : ""),
                            code, scene::withSceneSlots(slots), sizeof(shared::CaptureComputeParams),
                            {f.uvTransforms, masked, f.baseColorArrays, kSmallSamples, projected});
@@ -165,7 +166,8 @@ void CaptureCompute::recordQueue(gpu::Recorder& rec, const scene::GpuScene& scen
                                                    scratch.jobs.buffer(),
                                                    scratch.heads,
                                                    scratch.touched,
-                                                   scratch.clipped});
+                                                   scratch.clipped,
+                                                   list.projectedDepths});
     rec.barrier(Stage::compute, Stage::transfer);
     rec.fill(scratch.heads, 0);
     rec.barrier(Stage::transfer, Stage::compute);

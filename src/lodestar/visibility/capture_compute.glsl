@@ -20,6 +20,7 @@ layout(binding = 8) uniform samplerBuffer secondUvs;
 #include "alpha.glsl"
 layout(binding = 9) uniform usamplerBuffer listedIds;
 layout(binding = 10) uniform usamplerBuffer projected;
+layout(binding = 21) uniform samplerBuffer projectedDepths;
 // What one pass writes another fetches.
 layout(binding = 11) uniform usamplerBuffer wordTexels;
 layout(binding = 12) uniform usamplerBuffer largeTexels;

@@ -26,17 +26,18 @@ void main() {
     if (kProjected != 0) {
         const ivec3 own = int((listed ? slot : 0) * LS_MESHLET_VERTICES) +
                           ivec3(uvec3(stored.own, stored.own >> 8, stored.own >> 16) & 255u);
-        const uvec4 a = texelFetch(projected, own.x), p = texelFetch(projected, own.y),
-                    q = texelFetch(projected, own.z);
-        const bool reflected = (a.w & LS_PROJECTED_REFLECTED) != 0;
-        const uvec4 b = reflected ? q : p, c = reflected ? p : q;
-        t.v0 = ivec2(a.xy);
-        t.v1 = ivec2(b.xy);
-        t.v2 = ivec2(c.xy);
-        t.depth = uintBitsToFloat(uvec3(a.z, b.z, c.z));
-        clip = ((a.w | b.w | c.w) & LS_PROJECTED_CLIP) != 0;
-        beyond = a.w & b.w & c.w & LS_PROJECTED_OUTSIDE;
-        fromBehind = (a.w & LS_PROJECTED_DOUBLE_SIDED) != 0;
+        const uvec2 a = texelFetch(projected, own.x).xy, b = texelFetch(projected, own.y).xy,
+                    c = texelFetch(projected, own.z).xy;
+        t.v0 = placeOf(a);
+        t.v1 = placeOf(b);
+        t.v2 = placeOf(c);
+        t.depth = vec3(texelFetch(projectedDepths, own.x).x, texelFetch(projectedDepths, own.y).x,
+                       texelFetch(projectedDepths, own.z).x);
+        if ((a.x & LS_PROJECTED_REFLECTED) != 0)
+            t = Corners(t.v0, t.v2, t.v1, t.depth.xzy, t.id);
+        clip = ((a.x | b.x | c.x) & LS_PROJECTED_CLIP) != 0;
+        beyond = a.x & b.x & c.x & LS_PROJECTED_OUTSIDE;
+        fromBehind = (a.x & LS_PROJECTED_DOUBLE_SIDED) != 0;
     } else {
         const GpuInstance instance = loadInstance(what.x);
         const bool reflected = (instance.flags & LS_INSTANCE_REFLECTED) != 0;
