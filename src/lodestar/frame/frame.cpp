@@ -340,7 +340,14 @@ void Frame::findVisible(const geometry::CullView& view) {
     capture.recordHiZ(rec, live, view.clipFromWorld, hiz);
 }
 
+/// Whether nothing ever changes the image of terms: there are none, and no effect writes its own.
+bool Frame::termsAreConstant() const {
+    return coarse.present() == 0 && !post;
+}
+
 void Frame::evaluateTerms(const budget::Levers& levers) {
+    listHolds = refines = false;
+    if (termsAreConstant()) return;
     const shading::Coarse::Inputs inputs{.ids = ids(),
                                          .sunMap = lightMaps.sunMap(),
                                          .skyMaps = lightMaps.skyMaps(),
@@ -349,7 +356,6 @@ void Frame::evaluateTerms(const budget::Levers& levers) {
                                          .packing = options.packing,
                                          .tiles = &coveredTiles};
     const bool repairing = levers.repair > 0;
-    refines = false;
     if (repairing) upsample::RepairSelect::clear(rec, repairList);
     shading::Coarse::Mask written = 0, toRepair = 0;
     for (const RateGroup& group :

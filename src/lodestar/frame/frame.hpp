@@ -159,6 +159,7 @@ private:
     PostPicture picture(const visibility::CompactRecord* from) const;
     /// From radiance on grid O to the display.
     void show();
+    bool termsAreConstant() const;
     void evaluateTerms(const budget::Levers&);
     void evaluateOnGridS(const shading::Coarse::Inputs&, shading::Coarse::Mask, float rate,
                          float localRate);

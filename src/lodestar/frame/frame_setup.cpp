@@ -7,6 +7,7 @@
 
 #include <glm/gtc/packing.hpp>
 
+#include <lodestar/shading/coarse_params.h>
 #include <lodestar/shading/light_params.h>
 #include <lodestar/visibility/view_params.h>
 #include <lodestar/frame/post_chain.hpp>
@@ -176,7 +177,8 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
                      Usage::eColorAttachment | Usage::eStorage)),
       skyImage(makeSkyImage(owner, sky)),
       coarseImage(target(owner, room, vk::Format::eR32G32B32A32Uint, "coarse", Usage::eStorage)),
-      termImage(target(owner, room, vk::Format::eR16G16B16A16Sfloat, "terms", Usage::eStorage)),
+      termImage(target(owner, room, vk::Format::eR16G16B16A16Sfloat, "terms",
+                       Usage::eStorage | Usage::eTransferDst)),
       radianceImage(target(owner, room, vk::Format::eR16G16B16A16Sfloat, "radiance",
                            Usage::eStorage | Usage::eTransferDst)),
       shownImage(target(owner, room, vk::Format::eR8G8B8A8Unorm, "shown", Usage::eStorage)),
@@ -188,6 +190,11 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
     const bool joins = s.temporal.mode != scale::TemporalMode::off;
     if (s.motion || joins || s.post.shutter > 0) tracker.emplace(owner, gpuScene, room);
     if (joins) temporal.emplace(owner, room, s.size, s.temporal);
+    if (termsAreConstant()) {
+        rec.begin();
+        rec.clear(termImage, shared::kTermsOfBackground);
+        rec.submit();
+    }
     // A sun of the file has the colour it says. Its strength sets what a lux is: the sky is as
     // bright beside it as beside the real sun, lamps and emissive surfaces as the file has them.
     sunIlluminance = sky.sunIlluminance();

@@ -150,6 +150,15 @@ void Recorder::fill(const Buffer& buffer, std::uint32_t value) {
     commands.fillBuffer(buffer.vk(), 0, VK_WHOLE_SIZE, value);
 }
 
+void Recorder::clear(const View& image, const glm::vec4& value) {
+    commands.clearColorImage(
+        image.image, vk::ImageLayout::eGeneral,
+        vk::ClearColorValue(value.x, value.y, value.z, value.w),
+        vk::ImageSubresourceRange{.aspectMask = vk::ImageAspectFlagBits::eColor,
+                                  .levelCount = image.levels,
+                                  .layerCount = image.layers});
+}
+
 void Recorder::copy(const Buffer& from, const Buffer& to, std::uint64_t bytes,
                     std::uint64_t fromOffset) {
     commands.copyBuffer(from.vk(), to.vk(), vk::BufferCopy{.srcOffset = fromOffset, .size = bytes});

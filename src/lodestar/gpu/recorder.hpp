@@ -4,6 +4,8 @@
 #include <chrono>
 #include <optional>
 
+#include <glm/vec4.hpp>
+
 #include <lodestar/gpu/kernel.hpp>
 #include <lodestar/gpu/raster.hpp>
 #include <lodestar/gpu/tiles.hpp>
@@ -123,6 +125,8 @@ public:
     }
 
     void fill(const Buffer&, std::uint32_t value);
+    /// All of an image of floats or fractions, which has eTransferDst among its usages.
+    void clear(const View&, const glm::vec4& value);
     /// Writes a small struct (≤ 64 KiB) to the start of a buffer, as a transfer.
     template <typename Value>
     void update(const Buffer& buffer, const Value& value) {

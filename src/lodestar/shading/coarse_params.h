@@ -21,9 +21,9 @@ struct CoarseParams {
     uint step;       // texels of S from one that is evaluated to the next
 };
 
-#ifndef __cplusplus
-const vec4 kTermsOfBackground = vec4(1, 1, 0.5, 0);
+const vec4 kTermsOfBackground = vec4(1, 1, 0.5, 0);  // and where there are none
 
+#ifndef __cplusplus
 /// Where on grid O the centre of a texel of S lies, in pixels: within the picture.
 vec2 centreOf(ivec2 texel, CoarseParams params) {
     return min((vec2(texel) + 0.5) * params.rate, vec2(params.fullSize) - 0.5);
