@@ -63,8 +63,9 @@ bool canCoverASample(uvec2 a, uvec2 b, uvec2 c) {
 
 /// Those of the cluster's triangles in a word that refined meshlets stand for.
 uint replaced(GpuCluster cluster, GpuInstance instance, uint word) {
-    if (instance.displaced == 0 || cluster.lod != 0 || params.reliefReach == 0) return 0;
-    const uvec4 span = texelFetch(displaced, int(2 * instance.displaced + 1));
+    const uint relief = params.reliefReach == 0 ? 0 : instance.displaced;
+    if (relief == 0 || cluster.lod != 0) return 0;
+    const uvec4 span = texelFetch(displaced, int(2 * relief + 1));
     return texelFetch(refinedMasks, int(span.x + cluster.meshlet - span.y))[word];
 }
 
@@ -86,10 +87,12 @@ void main() {
     const bool reflected = (instance.flags & LS_INSTANCE_REFLECTED) != 0;
     const uint first = 32 * item.y, end = min(first + 32, cluster.triangleCount);
     const int place = int(slot * LS_MESHLET_VERTICES);
+    // Not a branch on a uniform alone: docs/gpu.md.
+    const uint firstTested = params.mode == LS_CULL_NONE ? end : first;
     uint mask = 0;
     for (uint i = first; i < end; ++i) {
         const GpuTriangle t = loadStoredTriangle(cluster.triangles + i);
-        bool drawn = params.mode == LS_CULL_NONE;
+        bool drawn = i < firstTested;
         if (kProjected != 0) {
             const ivec3 own = place + ivec3(uvec3(t.own, t.own >> 8, t.own >> 16) & 255u);
             drawn = drawn || canCoverASample(texelFetch(projected, own.x).xy,

@@ -68,7 +68,7 @@ void main() {
     const vec4 term = texelFetch(terms, pixel, 0);
     const vec2 visible = term.xy;
     const Surface s =
-        surfaceOf(material, light.noiseOctaves == 0 ? 1 : veins(term.z), -direction);
+        surfaceOf(material, veins(light.noiseOctaves == 0 ? 1 : term.z), -direction);
 
     // The sky is looked up once: past the surfaces, or mirrored in one.
     const bool hit = depth > 0;
