@@ -267,6 +267,20 @@ TEST_F(FrameTest, unlitSurfacesKeepTheirColorAndEmittersShine) {
         ASSERT_LT(glm::length(glm::vec3(bright[i] - dark[i]) - glm::vec3(5, 0, 1)), 0.02f);
 }
 
+TEST_F(FrameTest, withoutTermsNothingIsInShadow) {
+    FrameSettings settings = small(16, 16);
+    settings.shadowTaps = settings.skyViews = 0;
+    Stage stage(device(), small_scenes::single(small_scenes::quad()), settings);
+    for (int frame = 0; frame < 2; ++frame) {
+        stage.render(small_scenes::facing());
+        for (const glm::vec4& term : stage.halves(stage.frame.terms())) {
+            ASSERT_EQ(term.x, 1) << "the sun is seen";
+            ASSERT_EQ(term.y, 1) << "the sky is seen";
+            ASSERT_EQ(term.w, 0) << "the screen occludes nothing";
+        }
+    }
+}
+
 TEST_F(FrameTest, aDirectionalLightGivesTheSunItsColourAndALuxItsWorth) {
     const auto litBy = [&](std::optional<scene::Light> light) {
         Scene scene = small_scenes::single(small_scenes::quad());
