@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <map>
+#include <numeric>
 #include <string>
 
 #include <fmt/format.h>
@@ -23,12 +24,17 @@ using budget::kTerms;
 using budget::Split;
 using budget::Term;
 
-constexpr std::array kRates{1.5f, 2.0f, 3.0f, 5.0f, 8.0f};  // at which each term is measured
+constexpr std::array kRates{1.5f, 2.0f, 3.0f, 4.0f, 6.0f, 8.0f};  // at which each is measured
 // A frame that holds the budget but for the clock's noise is not passed over.
 constexpr double kOver = 1.02;
 // The model may err by this much: what it puts so far over or under the budget is measured too.
 constexpr double kDoubtful = 1.1;
 constexpr int kFinalRounds = 5;
+// In a few turns one split is faster than another by luck. What may hold the budget, the best
+// pictures first, is measured in so many times the turns before one is taken.
+constexpr double kMayHold = 1.05;
+constexpr std::size_t kContenders = 6;
+constexpr int kDecidingRounds = 4;
 
 std::array<bool, kTerms> presentTerms(const frame::FrameSettings& settings) {
     return {settings.shadowTaps > 0, settings.skyViews > 0, settings.noiseOctaves > 0};
@@ -198,35 +204,55 @@ Tuning chooseSplit(const gpu::Device& device, frame::Frame& frame,
                    const TermSamples& terms) {
     // What full quality takes all samples know better than the one of it.
     const double expectedMs = options.budget.targetMs(terms.model.fullMs());
+    Tuning tuning{0, 0, terms.samples, terms.model, {}, 0, {}};
     // The model is a model: its favourites are rendered, and the pictures decide. Full quality is
     // one of them where the budget is above it.
-    std::vector<budget::RatedSplit> favourites;
-    std::vector<Split> splits;
     for (const double part : {1.0, kDoubtful, 1 / kDoubtful})
         for (const auto& one :
              budget::bestSplits(terms.model, part * expectedMs, options.finalists)) {
-            if (std::find(splits.begin(), splits.end(), one.split) != splits.end()) continue;
-            favourites.push_back(one);
-            splits.push_back(one.split);
+            const bool known = std::any_of(
+                tuning.finalists.begin(), tuning.finalists.end(),
+                [&](const Finalist& other) { return other.predicted.split == one.split; });
+            if (!known) tuning.finalists.push_back({one});
         }
     // A machine's speed changes: what a share of full quality is, is measured among them.
-    splits.push_back({});
-    TuneOptions patient = options;
-    patient.rounds = std::max(options.rounds, kFinalRounds);
-    const auto measured =
-        measureSplits(device, frame, cameras, splits, patient, "measuring the best splits");
-    const double fullMs = measured.back().ms, targetMs = options.budget.targetMs(fullMs);
-    Tuning tuning{fullMs, targetMs, terms.samples, terms.model, {}, 0, {}};
-    for (std::size_t i = 0; i < favourites.size(); ++i)
-        tuning.finalists.push_back({favourites[i], measured[i].ms, psnrOfMse(measured[i].mse)});
-    const auto holds = [&](const Finalist& f) { return f.ms <= kOver * targetMs; };
-    const auto better = [&](const Finalist& a, const Finalist& b) {
-        if (holds(a) != holds(b)) return holds(a);
-        return holds(a) ? a.psnrDb > b.psnrDb : a.ms < b.ms;
+    const auto measure = [&](const std::vector<std::size_t>& which, int rounds, const char* what) {
+        std::vector<Split> splits{{}};
+        for (const std::size_t i : which) splits.push_back(tuning.finalists[i].predicted.split);
+        TuneOptions patient = options;
+        patient.rounds = rounds;
+        const auto measured = measureSplits(device, frame, cameras, splits, patient, what);
+        for (std::size_t i = 0; i < which.size(); ++i) {
+            tuning.finalists[which[i]].ms = measured[i + 1].ms;
+            tuning.finalists[which[i]].psnrDb = psnrOfMse(measured[i + 1].mse);
+        }
+        tuning.fullMs = measured.front().ms;
+        tuning.targetMs = options.budget.targetMs(tuning.fullMs);
     };
-    const auto best = std::min_element(tuning.finalists.begin(), tuning.finalists.end(), better);
-    tuning.chosen = static_cast<std::size_t>(best - tuning.finalists.begin());
-    tuning.levers = budget::leversOf(best->predicted.split);
+    // The best pictures of those within `part` of the budget; past it the fastest come first.
+    const auto sortFor = [&](std::vector<std::size_t>& which, double part) {
+        const auto holds = [&](const Finalist& f) { return f.ms <= part * tuning.targetMs; };
+        std::stable_sort(which.begin(), which.end(), [&](std::size_t left, std::size_t right) {
+            const Finalist &a = tuning.finalists[left], &b = tuning.finalists[right];
+            if (holds(a) != holds(b)) return holds(a);
+            return holds(a) ? a.psnrDb > b.psnrDb : a.ms < b.ms;
+        });
+    };
+    std::vector<std::size_t> contenders(tuning.finalists.size());
+    std::iota(contenders.begin(), contenders.end(), std::size_t{0});
+    const int rounds = std::max(options.rounds, kFinalRounds);
+    measure(contenders, rounds, "measuring the best splits");
+    sortFor(contenders, kOver);
+    const std::size_t safe = contenders.front();
+    sortFor(contenders, kMayHold);
+    contenders.resize(std::min(contenders.size(), kContenders));
+    if (std::find(contenders.begin(), contenders.end(), safe) == contenders.end())
+        contenders.push_back(safe);
+    if (contenders.size() > 1)
+        measure(contenders, kDecidingRounds * rounds, "deciding between them");
+    sortFor(contenders, kOver);
+    tuning.chosen = contenders.front();
+    tuning.levers = budget::leversOf(tuning.choice().predicted.split);
     tuning.levers.localRate = options.localRate;
     return tuning;
 }

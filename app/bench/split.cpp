@@ -22,8 +22,9 @@ using budget::Split;
 constexpr std::array kBudgets{0.65, 0.55, 0.45};  // of the full-quality frame
 constexpr std::array kHandRates{1.0f, 2.0f, 4.0f, 8.0f};
 constexpr double kMostBehindDb = 0.3;
-constexpr double kSlower = 1.15;  // of a time that may be noise
+constexpr double kSlower = 1.1;  // of a time that may be noise
 constexpr std::size_t kRivals = 12;
+constexpr int kRivalRounds = 5;  // times the rounds, or the luckiest of the rivals wins
 
 /// All three terms at once, or there would be nothing to split.
 frame::FrameSettings withAllTerms(frame::FrameSettings settings) {
@@ -83,11 +84,11 @@ struct Rival {
 };
 
 /// The rival of least error that takes no longer, if any does. Of 134 noisy times the least are so
-/// by luck: rivals and the automatic one are measured anew, in turn.
+/// by luck: rivals and the automatic one are measured anew, in turn and in more rounds.
 std::optional<Rival> bestOf(const std::vector<budget::SplitSample>& rivals,
                             const budget::SplitSample& automatic, const gpu::Device& device,
-                            frame::Frame& frame, const scene::Camera& camera,
-                            const TuneOptions& tuning) {
+                            frame::Frame& frame, const scene::Camera& camera, TuneOptions tuning) {
+    tuning.rounds *= kRivalRounds;
     std::vector<Split> splits{automatic.split};
     for (const budget::SplitSample& rival : rivals) splits.push_back(rival.split);
     const auto measured =
