@@ -85,6 +85,21 @@ Result<float> parseExposure(const std::string& text) {
     return fail("'" + text + "' is no exposure: give a number above 0, or auto");
 }
 
+/// `sky`, or `R,G,B` as display codes.
+Result<std::optional<glm::vec3>> parseBackground(const std::string& text) {
+    if (text == "sky") return std::optional<glm::vec3>{};
+    const std::vector<std::string> parts = splitList(text);
+    glm::vec3 color{0};
+    bool good = parts.size() == 3;
+    for (std::size_t i = 0; good && i < 3; ++i) {
+        const Result<double> code = parseNumber(parts[i]);
+        good = code && *code >= 0 && *code <= 255;
+        if (good) color[int(i)] = static_cast<float>(*code / 255);
+    }
+    if (good) return std::optional(color);
+    return fail("'" + text + "' is no background: give sky, or R,G,B from 0 to 255");
+}
+
 Result<scale::Filter> parseScaleFilter(const std::string& text) {
     const auto& names = scale::kFilterNames;
     const auto found = std::find(names.begin(), names.end(), text);
@@ -355,6 +370,11 @@ void addFrameOptions(CLI::App& app, frame::FrameSettings& settings) {
         ->type_name("AZ,EL")
         ->default_str("125,53")
         ->group(kGroup);
+    addParsed(app, "--background", settings.backdrop, parseBackground,
+              "what is seen past the scene: the sky, or one colour; the sky lights it all the same")
+        ->type_name("sky|R,G,B")
+        ->default_str("sky")
+        ->group(kGroup);
     settings.exposure = kMetered;
     addParsed(app, "--exposure", settings.exposure, parseExposure,
               "multiplies the light before the tone map; auto: metered on the first frame")
@@ -362,6 +382,11 @@ void addFrameOptions(CLI::App& app, frame::FrameSettings& settings) {
         ->default_str("auto")
         ->group(kGroup);
     addPostOptions(app, settings.post);
+}
+
+Json backgroundJson(const std::optional<glm::vec3>& color) {
+    if (!color) return "sky";
+    return {255 * color->r, 255 * color->g, 255 * color->b};
 }
 
 Json settingsJson(const frame::FrameSettings& s) {
@@ -396,6 +421,7 @@ Json settingsJson(const frame::FrameSettings& s) {
             {"noise_scale", s.noiseScale},
             {"to_sun", {s.toSun.x, s.toSun.y, s.toSun.z}},
             {"post", postJson(s.post)},
+            {"background", backgroundJson(s.backdrop)},
             {"exposure", s.exposure == kMetered ? Json("auto") : Json(s.exposure)}};
 }
 

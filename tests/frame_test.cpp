@@ -281,6 +281,39 @@ TEST_F(FrameTest, withoutTermsNothingIsInShadow) {
     }
 }
 
+TEST_F(FrameTest, aBackdropShowsItsColourPastTheSurfacesAndLeavesThemAlone) {
+    // Of 20 pixels a side some tiles are empty and some half covered: either has its own pass.
+    constexpr std::uint32_t kSize = 20;
+    FrameSettings settings = small(kSize, kSize);
+    settings.exposure = 1.7f;
+    Stage withSky(device(), *scene::buildBuiltin("spheres"), settings);
+    settings.backdrop = glm::vec3(200, 60, 20) / 255.0f;
+    Stage plain(device(), *scene::buildBuiltin("spheres"), settings);
+    Camera camera = cameraOf(plain.source, 0);
+    camera.eye = camera.at + 3.0f * (camera.eye - camera.at);
+    const auto before = withSky.render(camera);
+    const auto expectBackdrop = [&](const quality::RgbImage& picture, bool sameSurfaces) {
+        const auto ids = plain.ids();
+        std::size_t past = 0;
+        for (std::size_t i = 0; i < ids.size(); ++i) {
+            const auto* shown = &picture.rgb[3 * i];
+            if (ids[i] != 0) {
+                for (std::size_t c = 0; sameSurfaces && c < 3; ++c)
+                    ASSERT_EQ(shown[c], before.rgb[3 * i + c]) << i;
+                continue;
+            }
+            ++past;
+            ASSERT_NEAR(shown[0], 200, 1) << i;
+            ASSERT_NEAR(shown[1], 60, 1) << i;
+            ASSERT_NEAR(shown[2], 20, 1) << i;
+        }
+        EXPECT_GT(past, 20u);
+        EXPECT_LT(past, ids.size() - 20);
+    };
+    expectBackdrop(plain.render(camera), true);
+    expectBackdrop(plain.render(camera, 2), false);
+}
+
 TEST_F(FrameTest, aDirectionalLightGivesTheSunItsColourAndALuxItsWorth) {
     const auto litBy = [&](std::optional<scene::Light> light) {
         Scene scene = small_scenes::single(small_scenes::quad());
@@ -322,6 +355,7 @@ TEST_F(FrameTest, settingsOutOfRangeAreRefused) {
     refuses([](FrameSettings& s) { s.skyTaps = 0; });
     refuses([](FrameSettings& s) { s.skyMapSize = 8; });
     refuses([](FrameSettings& s) { s.exposure = -1; });
+    refuses([](FrameSettings& s) { s.backdrop = glm::vec3(0, 0, 1.1f); });
     refuses([](FrameSettings& s) { s.capture = CaptureBackend::multisample; });
 
     FrameSettings settings = small(16, 16);

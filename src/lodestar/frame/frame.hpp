@@ -61,8 +61,11 @@ struct FrameSettings {
     bool motion = false;       ///< make motion vectors of every picture; temporal does so too
     PostSettings post;         ///< effects
     scale::TemporalOptions temporal;  ///< of render(): how the pictures of a sequence are joined
-    float exposure = 1;               ///< 0: metered on the first frame, and kept
-    float aspect = 0;                 ///< width / height that the picture shows; 0 = that of `size`
+    /// sRGB-encoded colour, 0 … 1, behind everything in the place of the sky, which still lights
+    /// and is mirrored; none: the sky.
+    std::optional<glm::vec3> backdrop;
+    float exposure = 1;  ///< 0: metered on the first frame, and kept
+    float aspect = 0;    ///< width / height that the picture shows; 0 = that of `size`
     /// O is this many times `size` along an axis, 1 … 4, and filtered down. Rates of shading count
     /// from `size`: edges get all the samples, the expensive terms none extra. Levers::renderScale
     /// is 1 then.

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include <glm/gtc/color_space.hpp>
 #include <glm/gtc/packing.hpp>
 
 #include <lodestar/shading/coarse_params.h>
@@ -82,6 +83,9 @@ const FrameSettings& checked(const FrameSettings& s) {
     if (!(s.noiseScale >= 0)) throw std::invalid_argument("FrameSettings::noiseScale must be ≥ 0");
     if (!(s.exposure >= 0) || std::isinf(s.exposure))
         throw std::invalid_argument("FrameSettings::exposure must be ≥ 0");
+    if (s.backdrop && !(glm::all(glm::greaterThanEqual(*s.backdrop, glm::vec3(0))) &&
+                        glm::all(glm::lessThanEqual(*s.backdrop, glm::vec3(1)))))
+        throw std::invalid_argument("FrameSettings::backdrop must be 0 … 1");
     if (s.skyViews > shared::LS_MAX_SKY_VIEWS)
         throw std::invalid_argument("FrameSettings::skyViews must be ≤ 16");
     if (s.captureSide != 1 && s.captureSide != 2 && s.captureSide != 4 && s.captureSide != 8)
@@ -148,13 +152,13 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       capture(owner, gpuScene, room, s.captureSide > 1 ? CaptureBackend::automatic : s.capture),
       listTiles(owner),
       rebuildPass(owner, gpuScene.features()),
-      background(owner),
+      background(owner, options.backdrop.has_value()),
       coarse(owner, termsOf(s)),
       upsample(owner, s.reconstruct),
       refine(owner),
       repairSelect(owner),
       weighRepair(owner),
-      combine(owner, gpuScene.features()),
+      combine(owner, gpuScene.features(), options.backdrop.has_value()),
       tonemap(owner),
       spatial(owner),
       eyeList(owner, gpuScene, "eye", scene::TablePart::eye,
@@ -232,18 +236,20 @@ void Frame::writeUniforms(const scene::Camera& camera) {
 
     const float cell =
         options.noiseScale > 0 ? options.noiseScale : std::max(scene->bounds().radius() / 8, 1e-6f);
-    shared::LightParams light{.toSun = sky.toSun(),
-                              .sunIlluminance = sunIlluminance,
-                              .shadowTaps = options.shadowTaps,
-                              .skyViewCount = options.skyViews,
-                              .skyTaps = options.skyTaps,
-                              .noiseOctaves = options.noiseOctaves,
-                              .noiseWarps = options.noiseWarps,
-                              .noiseFrequency = 1 / cell,
-                              .lightCount = scene->lightCount(),
-                              .skyLevels = shading::SkyMap::kLevels,
-                              .exposure = options.exposure,
-                              .perLux = perLux};
+    shared::LightParams light{
+        .toSun = sky.toSun(),
+        .sunIlluminance = sunIlluminance,
+        .shadowTaps = options.shadowTaps,
+        .skyViewCount = options.skyViews,
+        .skyTaps = options.skyTaps,
+        .noiseOctaves = options.noiseOctaves,
+        .noiseWarps = options.noiseWarps,
+        .noiseFrequency = 1 / cell,
+        .lightCount = scene->lightCount(),
+        .skyLevels = shading::SkyMap::kLevels,
+        .exposure = options.exposure,
+        .perLux = perLux,
+        .backdrop = glm::convertSRGBToLinear(options.backdrop.value_or(glm::vec3(0)))};
     std::copy(irradiance.begin(), irradiance.end(), light.irradiance);
     light.views[0] = lightMaps.sun().params();
     std::transform(lightMaps.sky().begin(), lightMaps.sky().end(), light.views + 1,

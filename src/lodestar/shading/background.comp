@@ -9,6 +9,8 @@
 // What the passes over surfaces leave out: one thread a pixel of grid O.
 layout(local_size_x = 8, local_size_y = 8) in;
 
+layout(constant_id = 0) const uint kBackdrop = 0;  // 1: one colour in the place of the sky
+
 layout(binding = 0, scalar) uniform View { ViewParams view; };
 layout(binding = 1, scalar) uniform Light { LightParams light; };
 layout(binding = 2) uniform sampler2D sky;
@@ -23,9 +25,11 @@ void main() {
     if (any(greaterThanEqual(pixel, ivec2(params.size)))) return;
     const vec2 ndc = (vec2(pixel) + 0.5) / vec2(params.size) * 2 - 1;
     const vec3 direction = normalize(rayThrough(view, ndc));
-    const vec3 seen = skyRadiance(sky, light.skyLevels, direction, 0) +
-                      sunDisc(direction, light.toSun, light.sunIlluminance);
+    const vec4 seen =
+        kBackdrop != 0 ? pastSurfaces(light.backdrop, light.exposure)
+                       : pastSurfaces(skyRadiance(sky, light.skyLevels, direction, 0), direction,
+                                      light.toSun, light.sunIlluminance);
     imageStore(outDepth, pixel, vec4(0));
     imageStore(outTerms, pixel, kTermsOfBackground);
-    imageStore(outRadiance, pixel, vec4(seen, 1));
+    imageStore(outRadiance, pixel, seen);
 }

@@ -14,12 +14,12 @@ using gpu::Slot;
 
 }  // namespace
 
-Background::Background(const gpu::Device& device)
+Background::Background(const gpu::Device& device, bool backdrop)
     : skySampler(makeSkySampler(device)),
       kernel(device, "background", kCode,
              {Slot::uniformBuffer, Slot::uniformBuffer, Slot::sampledImage, Slot::storageImage,
               Slot::storageImage, Slot::storageImage, Slot::texelBuffer},
-             sizeof(shared::BackgroundParams)) {}
+             sizeof(shared::BackgroundParams), {backdrop}) {}
 
 void Background::record(gpu::Recorder& rec, const Inputs& in, const Outputs& out) const {
     const auto pass = rec.pass("background");

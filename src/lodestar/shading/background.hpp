@@ -5,10 +5,11 @@
 
 namespace lodestar::shading {
 
-/// The sky in tiles of grid O without a surface, for which nothing else is then to be done.
+/// The sky, or one colour in its place, in tiles of grid O without a surface, for which nothing else is then to be done.
 class Background {
 public:
-    explicit Background(const gpu::Device&);
+    /// `backdrop`: shared::LightParams has a colour that is shown in the place of the sky.
+    explicit Background(const gpu::Device&, bool backdrop = false);
 
     struct Inputs {
         const gpu::Buffer& view;   ///< shared::ViewParams

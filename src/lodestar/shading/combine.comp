@@ -30,6 +30,7 @@ layout(push_constant, scalar) uniform Push { CombineParams params; };
 
 layout(constant_id = 2) const uint kPunctualLights = 1;
 layout(constant_id = 3) const uint kPoints = 0;  // 1: at `points`, not at the centres of pixels
+layout(constant_id = 4) const uint kBackdrop = 0;  // 1: one colour in the place of the sky
 
 /// Unshadowed point and spot lights, with the falloff of KHR_lights_punctual.
 vec3 punctual(Surface s, vec3 position) {
@@ -76,7 +77,10 @@ void main() {
     const vec3 seen =
         skyRadiance(sky, light.skyLevels, seenAt, hit ? s.perceptualRoughness : 0);
     if (!hit) {
-        imageStore(outRadiance, pixel, vec4(seen + sunDisc(direction, light.toSun, light.sunIlluminance), 1));
+        imageStore(outRadiance, pixel,
+                   kBackdrop != 0
+                       ? pastSurfaces(light.backdrop, light.exposure)
+                       : pastSurfaces(seen, direction, light.toSun, light.sunIlluminance));
         return;
     }
 

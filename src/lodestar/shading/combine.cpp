@@ -12,8 +12,8 @@ constexpr std::uint32_t kCode[] =
 
 using gpu::Slot;
 
-gpu::Kernel makeKernel(const gpu::Device& device, const scene::SceneFeatures& features,
-                       bool points) {
+gpu::Kernel makeKernel(const gpu::Device& device, const scene::SceneFeatures& features, bool points,
+                       bool backdrop) {
     return {device,
             points ? "combine at points" : "combine",
             kCode,
@@ -21,16 +21,16 @@ gpu::Kernel makeKernel(const gpu::Device& device, const scene::SceneFeatures& fe
              Slot::sampledImage, Slot::sampledImage, Slot::sampledImage, Slot::storageBuffer,
              Slot::storageImage, Slot::sampledImage, Slot::texelBuffer},
             sizeof(shared::CombineParams),
-            {features.emissive, features.unlit, features.punctualLights, points}};
+            {features.emissive, features.unlit, features.punctualLights, points, backdrop}};
 }
 
 }  // namespace
 
-Combine::Combine(const gpu::Device& device, const scene::SceneFeatures& features)
+Combine::Combine(const gpu::Device& device, const scene::SceneFeatures& features, bool backdrop)
     : pointSampler(device.vk(), vk::SamplerCreateInfo{}),
       skySampler(makeSkySampler(device)),
-      kernel(makeKernel(device, features, false)),
-      pointKernel(makeKernel(device, features, true)) {}
+      kernel(makeKernel(device, features, false, backdrop)),
+      pointKernel(makeKernel(device, features, true, backdrop)) {}
 
 void Combine::record(gpu::Recorder& rec, const Inputs& in, gpu::View radiance) const {
     const auto pass = rec.pass("combine");

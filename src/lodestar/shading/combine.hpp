@@ -9,10 +9,11 @@
 namespace lodestar::shading {
 
 /// Shading at grid O: metallic-roughness under sun, sky and punctual lights, from rebuilt
-/// attributes and the reconstructed coarse terms; the sky where there is no surface.
+/// attributes and the reconstructed coarse terms; the sky or backdrop where there is no surface.
 class Combine {
 public:
-    Combine(const gpu::Device&, const scene::SceneFeatures&);
+    /// `backdrop`: shared::LightParams has a colour that is shown in the place of the sky.
+    Combine(const gpu::Device&, const scene::SceneFeatures&, bool backdrop = false);
 
     struct Inputs {
         const gpu::Buffer& view;              ///< shared::ViewParams
@@ -28,8 +29,8 @@ public:
     };
     /// Writes linear radiance to every texel in the extent of `radiance` (RGBA16_SFLOAT), and in
     /// `tiles`. Its alpha
-    /// is the share that Tonemap gives its curve: 1, but 0 for unlit materials, which show as
-    /// authored.
+    /// is the share that Tonemap gives its curve: 1, but 0 for unlit materials and the backdrop,
+    /// which show as authored.
     void record(gpu::Recorder&, const Inputs&, gpu::View radiance) const;
 
 private:

@@ -32,6 +32,7 @@ struct LightParams {
     uint skyLevels;        // mip levels of the sky map: roughness 0 … 1
     float exposure;        // multiplies radiance before the tone map
     float perLux;  // multiplies punctual and emissive light, which files give in lux and nit
+    vec3 backdrop;  // linear display colour past all surfaces, where the sky is not shown
     GpuLightView views[LS_MAX_SKY_VIEWS + 1];  // the sun's, then those of the sky
 };
 

@@ -28,6 +28,13 @@ vec3 sunDisc(vec3 direction, vec3 toSun, vec3 illuminance) {
     return 40 * illuminance * smoothstep(kSunCosine - 2e-5, kSunCosine, dot(direction, toSun));
 }
 
+/// Radiance past all surfaces, and the share that the tone map gives its curve: sky and sun, or the
+/// backdrop, which shows as it was given.
+vec4 pastSurfaces(vec3 sky, vec3 direction, vec3 toSun, vec3 illuminance) {
+    return vec4(sky + sunDisc(direction, toSun, illuminance), 1);
+}
+vec4 pastSurfaces(vec3 backdrop, float exposure) { return vec4(backdrop / exposure, 0); }
+
 /// From the eye to what it sees there, of view depth 1.
 vec3 rayThrough(ViewParams view, vec2 ndc) {
     return transpose(mat3(view.viewFromWorld)) * vec3((ndc - view.jitter) / view.clipScale, -1);
