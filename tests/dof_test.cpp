@@ -33,12 +33,12 @@ protected:
         return readColors(color, full);
     }
     static constexpr ivec2 kSize{96, 64};
-    /// `left` on one half, `right` on the other.
+    /// `left` on one half, `right` on the other, from column `middle` on.
     template <typename T>
-    static std::vector<T> halves(T left, T right) {
+    static std::vector<T> halves(T left, T right, int middle = kSize.x / 2) {
         std::vector<T> all;
         for (int i = 0; i < kSize.x * kSize.y; ++i)
-            all.push_back(i % kSize.x < kSize.x / 2 ? left : right);
+            all.push_back(i % kSize.x < middle ? left : right);
         return all;
     }
     static std::vector<vec3> noise() {
@@ -80,6 +80,13 @@ TEST_F(DofTest, evenColorsStayEvenUpToTheEdgeOfTheLivePart) {
                 ASSERT_NEAR(c.x, 0.5, 0.01) << side;
                 ASSERT_NEAR(c.z, 30, 0.6) << side;
             }
+    // Where grid B reaches past the picture.
+    const ivec2 odd(93, 61);
+    const auto pixels = std::size_t(odd.x) * odd.y;
+    for (const int side : {2, 4, 8})
+        for (const vec3& c : run(odd, side, std::vector<float>(pixels, 9.0f),
+                                 std::vector<vec3>(pixels, vec3(0.5f, 2, 30)), kLens))
+            ASSERT_NEAR(c.z, 30, 0.6) << side;
 }
 
 TEST_F(DofTest, bothSidesOfTheFocusBlurAndTheThesisFormulaSparesTheNearOne) {
@@ -155,23 +162,30 @@ TEST_F(DofTest, whatIsOutOfFocusLosesItsEdgesAtAnyRate) {
 }
 
 TEST_F(DofTest, noFocusLeaksIntoTheBlurBehindIt) {
-    // Sharp and white before a black wall far behind.
-    const int middle = kSize.x / 2;
-    for (const int side : {1, 2, 4}) {
-        const auto made = run(kSize, side, halves(5.0f, 12.0f), halves(vec3(1), vec3(0)), kLens);
-        for (int y = 0; y < kSize.y; ++y)
-            for (int x = 0; x < kSize.x; ++x) {
-                const float v = made[std::size_t(y * kSize.x + x)].x;
-                ASSERT_TRUE(x < middle ? v == 1 : v < 0.06) << side << " " << x << " " << v;
+    // Sharp and white before a black wall far behind, on either side of it.
+    const float sharp = 5, blurred = 12;
+    for (const int middle : {kSize.x / 2, kSize.x / 2 + 1})
+        for (const bool left : {true, false})
+            for (const int side : {1, 2, 4}) {
+                const auto z =
+                    left ? halves(sharp, blurred, middle) : halves(blurred, sharp, middle);
+                const auto rgb = halves(vec3(left), vec3(!left), middle);
+                const auto made = run(kSize, side, z, rgb, kLens);
+                for (int i = 0; i < kSize.x * kSize.y; ++i) {
+                    const float v = made[std::size_t(i)].x;
+                    const bool white = (i % kSize.x < middle) == left;
+                    ASSERT_TRUE(white ? v == 1 : v < 0.06)
+                        << side << " " << i % kSize.x << " " << v;
+                }
             }
-    }
 }
 
 TEST_F(DofTest, theForegroundBleedsOverItsEdge) {
     // White and near before black in focus: its edge is soft, to both sides.
-    const int middle = kSize.x / 2;
-    for (const int side : {1, 2, 4}) {
-        const auto made = run(kSize, side, halves(1.5f, 5.0f), halves(vec3(1), vec3(0)), kLens);
+    for (const auto& [side, middle] :
+         {std::pair{1, kSize.x / 2}, {2, kSize.x / 2}, {4, kSize.x / 2}, {4, kSize.x / 2 + 1}}) {
+        const auto made =
+            run(kSize, side, halves(1.5f, 5.0f, middle), halves(vec3(1), vec3(0), middle), kLens);
         const auto at = [&](int x) { return made[std::size_t(32 * kSize.x + x)].x; };
         EXPECT_GT(at(middle + 1), 0.25) << side;
         EXPECT_LT(at(middle - 2), 0.8) << side;

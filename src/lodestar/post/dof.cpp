@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <cmath>
 
+#include <lodestar/gpu/linear_sampler.hpp>
 #include <lodestar/post/dof.hpp>
 #include <lodestar/post/effective.hpp>
 
@@ -27,6 +28,11 @@ using gpu::Slot;
 using gpu::Stage;
 using Usage = vk::ImageUsageFlagBits;
 
+// Where `dof_layers.comp` takes the picture from.
+constexpr std::uint32_t kPixels = 0, kQuads = 1, kDownsampled = 2;
+
+constexpr std::uint32_t kBlock = 2;  // pixels a side that one thread combines
+
 constexpr float kCocFalloff = 1.44269504f / (2 * 0.3f * 0.3f);
 /// σ from which on a blur is made of half the size [texels of what it is made of].
 constexpr float kHalves = 1.3f;
@@ -44,16 +50,41 @@ gpu::Image image(const gpu::Device& device, vk::Extent2D extent, vk::Format form
              .usage = Usage::eSampled | Usage::eStorage}};
 }
 
+bool isMultiple(glm::vec2 rate, float of) {
+    return std::fmod(rate.x, of) == 0 && std::fmod(rate.y, of) == 0;
+}
+
+/// Whether a texel of B has several quads of pixels and nothing else.
+bool hasQuads(glm::vec2 rate) {
+    return rate.x > 2 && rate.y > 2 && isMultiple(rate, 2);
+}
+
+gpu::Kernel makeLayers(const gpu::Device& device, const char* name, std::uint32_t source) {
+    return {device,
+            name,
+            kLayers,
+            {Slot::sampledImage, Slot::sampledImage, Slot::storageImage, Slot::storageImage},
+            sizeof(shared::DofParams),
+            {source}};
+}
+
+gpu::Kernel makeCombine(const gpu::Device& device, const char* name, std::uint32_t side) {
+    return {device,
+            name,
+            kCombine,
+            {Slot::sampledImage, Slot::sampledImage, Slot::storageImage},
+            sizeof(shared::DofParams),
+            {side}};
+}
+
 }  // namespace
 
 Dof::Dof(const gpu::Device& device, vk::Extent2D room, std::optional<vk::Extent2D> full)
     : pointSampler(device.vk(), vk::SamplerCreateInfo{}),
-      layers(device, "dof layers", kLayers,
-             {Slot::sampledImage, Slot::sampledImage, Slot::storageImage, Slot::storageImage},
-             sizeof(shared::DofParams), {false}),
-      layersOfDown(device, "dof layers, downsampled", kLayers,
-                   {Slot::sampledImage, Slot::sampledImage, Slot::storageImage, Slot::storageImage},
-                   sizeof(shared::DofParams), {true}),
+      linearSampler(gpu::makeLinearSampler(device)),
+      layersOfPixels(makeLayers(device, "dof layers", kPixels)),
+      layersOfQuads(makeLayers(device, "dof layers, of quads", kQuads)),
+      layersOfDown(makeLayers(device, "dof layers, downsampled", kDownsampled)),
       down(device, "dof down", kDown, {Slot::sampledImage, Slot::sampledImage, Slot::storageImage},
            sizeof(shared::DofDownParams)),
       blur(device, "dof blur", kBlur, {Slot::sampledImage, Slot::storageImage},
@@ -62,9 +93,8 @@ Dof::Dof(const gpu::Device& device, vk::Extent2D room, std::optional<vk::Extent2
               {Slot::sampledImage, Slot::sampledImage, Slot::sampledImage, Slot::sampledImage,
                Slot::storageImage},
               sizeof(shared::DofParams)),
-      combine(device, "dof combine", kCombine,
-              {Slot::sampledImage, Slot::sampledImage, Slot::storageImage},
-              sizeof(shared::DofParams)),
+      combine(makeCombine(device, "dof combine", 1)),
+      combineBlocks(makeCombine(device, "dof combine, of blocks", kBlock)),
       sharp(image(device, room, vk::Format::eR32G32B32A32Uint, "dof: layers")),
       cocs(image(device, room, vk::Format::eR32Sfloat, "dof: CoC")) {
     constexpr auto kPacked = vk::Format::eR32G32B32A32Uint;
@@ -189,8 +219,11 @@ void Dof::record(gpu::Recorder& rec, const Inputs& in, const DofOptions& o, gpu:
             recordDown(rec, in, params, color);
             from = halves[static_cast<std::size_t>(std::lround(std::log2(rate))) - 1];
         }
-        rec.dispatch(downsamples ? layersOfDown : layers, groups,
-                     {{from, pointSampler}, {in.depth, pointSampler}, cocs, sharp}, params);
+        const gpu::Kernel& layers = downsamples              ? layersOfDown
+                                    : hasQuads(in.grid.rate) ? layersOfQuads
+                                                             : layersOfPixels;
+        rec.dispatch(layers, groups,
+                     {{from, linearSampler}, {in.depth, linearSampler}, cocs, sharp}, params);
         rec.barrier(Stage::compute, Stage::compute);
         const auto pictures = recordBlur(rec, size, x, y);
         rec.dispatch(resolve, groups,
@@ -203,7 +236,11 @@ void Dof::record(gpu::Recorder& rec, const Inputs& in, const DofOptions& o, gpu:
         rec.barrier(Stage::compute, Stage::compute);
     }
     const auto pass = rec.pass("dof combine");
-    rec.dispatch(combine, gpu::groups8x8({in.grid.fullSize.x, in.grid.fullSize.y}),
+    const bool blocks = isMultiple(in.grid.rate, 4);
+    const std::uint32_t side = blocks ? kBlock : 1;
+    rec.dispatch(blocks ? combineBlocks : combine,
+                 gpu::groups8x8({gpu::groups(in.grid.fullSize.x, side),
+                                 gpu::groups(in.grid.fullSize.y, side)}),
                  {{in.depth, pointSampler}, {blurred, pointSampler}, color}, params);
 }
 

@@ -25,11 +25,23 @@ struct Layers {
     vec2 cover;  // how much of it is blurred foreground; that times its circle of confusion
 };
 
+vec4 farWeights(vec4 coc) { return mix(max(coc, 0.02), vec4(1e-4), lessThan(coc, vec4(0))); }
+vec4 covers(vec4 coc) { return clamp(-3 * coc, 0, 1); }
+vec3 boundedColor(vec3 color) { return min(color, vec3(6e4)); }
+
 Layers layersOf(vec3 color, float coc) {
-    const float far = coc < 0 ? 1e-4 : max(coc, 0.02);
-    const float cover = clamp(-3 * coc, 0, 1);
-    const vec3 c = min(color, vec3(6e4));
-    return Layers(vec4(c, 1) * far, c * cover, vec2(cover, -coc * cover));
+    const float cover = covers(vec4(coc)).x;
+    const vec3 c = boundedColor(color);
+    return Layers(vec4(c, 1) * farWeights(vec4(coc)).x, c * cover, vec2(cover, -coc * cover));
+}
+
+/// Adds four pixels of one colour, each by its own circle of confusion.
+void addFour(inout Layers sum, vec3 color, vec4 coc) {
+    const vec4 cover = covers(coc);
+    const vec3 c = boundedColor(color);
+    sum.far += vec4(c, 1) * dot(farWeights(coc), vec4(1));
+    sum.near += c * dot(cover, vec4(1));
+    sum.cover += vec2(dot(cover, vec4(1)), -dot(cover, coc));
 }
 
 uvec4 packLayers(Layers l) {

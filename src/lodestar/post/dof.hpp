@@ -48,8 +48,9 @@ private:
     std::array<gpu::View, 3> recordBlur(gpu::Recorder&, vk::Extent2D size, const Plan& x,
                                         const Plan& y) const;
 
-    vk::raii::Sampler pointSampler;
-    gpu::Kernel layers, layersOfDown, down, blur, resolve, combine;
+    vk::raii::Sampler pointSampler, linearSampler;
+    gpu::Kernel layersOfPixels, layersOfQuads, layersOfDown, down, blur, resolve, combine,
+        combineBlocks;
     gpu::Image sharp;  // in layers
     gpu::Image cocs;   // circles of confusion on grid B
     std::vector<Level> levels;

@@ -5,15 +5,6 @@
 
 namespace lodestar::scale {
 
-/// Bilinear, clamped to the edge.
-inline vk::raii::Sampler makeLinearSampler(const gpu::Device& device) {
-    constexpr auto kClamp = vk::SamplerAddressMode::eClampToEdge;
-    return {device.vk(), vk::SamplerCreateInfo{.magFilter = vk::Filter::eLinear,
-                                               .minFilter = vk::Filter::eLinear,
-                                               .addressModeU = kClamp,
-                                               .addressModeV = kClamp}};
-}
-
 /// How far along each axis a bilinear fetch of the part `live` of a target may go [texels]. Where
 /// more texels follow it stays short of the centre of the last one: there it would read the next
 /// one too, with a weight of 0, and 0 · NaN is NaN. Hardware places samples to 1/256 texel.

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include <lodestar/scale/spatial_params.h>
+#include <lodestar/gpu/linear_sampler.hpp>
 #include <lodestar/scale/live_part.hpp>
 #include <lodestar/scale/spatial.hpp>
 
@@ -14,7 +15,7 @@ using gpu::Slot;
 
 }  // namespace
 
-Spatial::Spatial(const gpu::Device& device) : linearSampler(makeLinearSampler(device)) {
+Spatial::Spatial(const gpu::Device& device) : linearSampler(gpu::makeLinearSampler(device)) {
     for (std::uint32_t filter = 0; filter < kFilterNames.size(); ++filter)
         kernels.emplace_back(device, "scale, " + std::string(kFilterNames[filter]), kCode,
                              std::vector<gpu::SlotArray>{Slot::sampledImage, Slot::storageImage},

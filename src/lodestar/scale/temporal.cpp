@@ -3,6 +3,7 @@
 #include <optional>
 
 #include <lodestar/scale/temporal_params.h>
+#include <lodestar/gpu/linear_sampler.hpp>
 #include <lodestar/scale/live_part.hpp>
 #include <lodestar/scale/temporal.hpp>
 
@@ -111,7 +112,7 @@ Temporal::Temporal(const gpu::Device& device, vk::Extent2D room, vk::Extent2D ou
                    const TemporalOptions& o)
     : options(checked(o)),
       size(outSize),
-      linearSampler(makeLinearSampler(device)),
+      linearSampler(gpu::makeLinearSampler(device)),
       pointSampler(device.vk(), vk::SamplerCreateInfo{}),
       kernel(makeKernel(device, o)),
       colors(isSource(o) ? images(device, 1, "frame before", vk::Format::eR8G8B8A8Unorm, room)
