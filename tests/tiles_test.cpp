@@ -35,25 +35,27 @@ TEST_F(TilesTest, eachIsListedOnceByWhetherItShowsSomething) {
     std::mt19937 random(7);
     const visibility::ListTiles pass(device());
     for (const vk::Extent2D size : {vk::Extent2D{1, 1}, {8, 8}, {61, 35}, {256, 200}}) {
+        // A part of an image, beside which something is seen everywhere.
+        const vk::Extent2D whole{size.width + 3, size.height + 5};
         const gpu::Image ids(device(), {.name = "ids",
                                         .format = vk::Format::eR32Uint,
-                                        .extent = size,
+                                        .extent = whole,
                                         .usage = Usage::eSampled | Usage::eTransferDst});
         const gpu::TileList covered(device(), size, "covered"), empty(device(), size, "empty");
         for (const double share : {0.0, 0.02, 1.0}) {
-            std::vector<std::uint32_t> texels(size.width * size.height);
+            std::vector<std::uint32_t> texels(whole.width * whole.height, 1);
             std::set<std::uint32_t> expected, rest;
-            for (std::uint32_t& id : texels)
-                id = std::bernoulli_distribution(share)(random) ? 1 + random() % 1000 : 0;
-            for (std::uint32_t i = 0; i < texels.size(); ++i) {
-                const std::uint32_t x = i % size.width / 8, y = i / size.width / 8;
-                (texels[i] ? expected : rest).insert(x | y << 16);
-            }
+            for (std::uint32_t y = 0; y < size.height; ++y)
+                for (std::uint32_t x = 0; x < size.width; ++x) {
+                    std::uint32_t& id = texels[y * whole.width + x];
+                    id = std::bernoulli_distribution(share)(random) ? 1 + random() % 1000 : 0;
+                    (id ? expected : rest).insert(x / 8 | y / 8 << 16);
+                }
             for (const std::uint32_t tile : expected) rest.erase(tile);
             gpu::uploadImage(device(), ids, 0, std::as_bytes(std::span(texels)));
             gpu::Recorder rec(device());
             rec.begin();
-            pass.record(rec, ids, covered, empty);
+            pass.record(rec, gpu::part(ids, size), covered, empty);
             rec.submit();
             EXPECT_EQ(read(device(), covered), expected);
             EXPECT_EQ(read(device(), empty), rest);

@@ -155,7 +155,7 @@ void Frame::shade(const budget::Levers& levers, const visibility::CompactRecord*
         show();
         return;
     }
-    shadeBackground();
+    shadeBackground(!termsAreConstant());
     // What is exact on grid O, and the expensive terms on grids S.
     rebuildPass.record(rec, *scene,
                        {.ids = ids(),
@@ -268,7 +268,7 @@ void Frame::shadeOnGridS(float rate) {
                    onS(whole->radiance));
     // Conventional resizing has no guides and needs no depth and normal of O.
     const bool guided = upsample.guided();
-    if (guided) shadeBackground();
+    if (guided) shadeBackground(false);
     if (guided || layer)
         whole->guides.record(
             rec, *scene,
@@ -283,10 +283,11 @@ void Frame::shadeOnGridS(float rate) {
 }
 
 /// Finds the tiles of O that show something, and is done with the others.
-void Frame::shadeBackground() {
+void Frame::shadeBackground(bool writesTerms) {
+    shading::Background::Outputs out{.depth = depth(), .radiance = radiance()};
+    if (writesTerms) out.terms = terms();
     listTiles.record(rec, ids(), coveredTiles, emptyTiles);
-    background.record(rec, {viewBuffer, lightBuffer, skyImage, emptyTiles},
-                      {depth(), terms(), radiance()});
+    background.record(rec, {viewBuffer, lightBuffer, skyImage, emptyTiles}, out);
     rec.barrier(Stage::compute, Stage::compute);
 }
 

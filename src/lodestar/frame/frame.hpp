@@ -167,7 +167,7 @@ private:
     void evaluateOnGridS(const shading::Coarse::Inputs&, shading::Coarse::Mask, float rate,
                          float localRate);
     void shadeOnGridS(float rate);
-    void shadeBackground();
+    void shadeBackground(bool writesTerms);
     /// Sets the exposure by the last frame's radiance.
     void meter();
     /// See geometry::CullView::shown.

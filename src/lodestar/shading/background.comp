@@ -10,6 +10,7 @@
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(constant_id = 0) const uint kBackdrop = 0;  // 1: one colour in the place of the sky
+layout(constant_id = 1) const uint kTerms = 1;     // 0: `outTerms` is not written
 
 layout(binding = 0, scalar) uniform View { ViewParams view; };
 layout(binding = 1, scalar) uniform Light { LightParams light; };
@@ -30,6 +31,6 @@ void main() {
                        : pastSurfaces(skyRadiance(sky, light.skyLevels, direction, 0), direction,
                                       light.toSun, light.sunIlluminance);
     imageStore(outDepth, pixel, vec4(0));
-    imageStore(outTerms, pixel, kTermsOfBackground);
+    if (kTerms != 0) imageStore(outTerms, pixel, kTermsOfBackground);
     imageStore(outRadiance, pixel, seen);
 }

@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <optional>
+
 #include <lodestar/gpu/recorder.hpp>
 
 namespace lodestar::shading {
 
-/// The sky, or one colour in its place, in tiles of grid O without a surface, for which nothing else is then to be done.
+/// The sky, or one colour in its place, in tiles of grid O without a surface, for which nothing
+/// else is then to be done.
 class Background {
 public:
     /// `backdrop`: shared::LightParams has a colour that is shown in the place of the sky.
@@ -19,8 +22,9 @@ public:
     };
     /// Of one extent, that of grid O; what is written is what Rebuild, Coarse and Combine would.
     struct Outputs {
-        gpu::View depth;     ///< R32_SFLOAT: 0
-        gpu::View terms;     ///< RGBA16_SFLOAT: those of what nothing shades
+        gpu::View depth;  ///< R32_SFLOAT: 0
+        /// RGBA16_SFLOAT: those of what nothing shades; none: nothing is to read them
+        std::optional<gpu::View> terms;
         gpu::View radiance;  ///< RGBA16_SFLOAT, linear
     };
     /// Pass "background".
@@ -28,7 +32,7 @@ public:
 
 private:
     vk::raii::Sampler skySampler;
-    gpu::Kernel kernel;
+    gpu::Kernel kernel, withoutTerms;
 };
 
 }  // namespace lodestar::shading

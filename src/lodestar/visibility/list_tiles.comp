@@ -16,10 +16,15 @@ layout(push_constant, scalar) uniform Push { ListTilesParams params; };
 void main() {
     const uvec2 tile = gl_GlobalInvocationID.xy;
     if (any(greaterThanEqual(8 * tile, params.size))) return;
+    // Four pixels a fetch, about the corner where they meet.
     const ivec2 last = ivec2(params.size) - 1;
-    uint found = 0;
-    for (int i = 0; i < 64; ++i)
-        found |= texelFetch(ids, min(8 * ivec2(tile) + ivec2(i & 7, i >> 3), last), 0).x;
+    const vec2 perPixel = 1 / vec2(textureSize(ids, 0));
+    uvec4 four = uvec4(0);
+    for (int i = 0; i < 16; ++i) {
+        const ivec2 corner = min(8 * ivec2(tile) + 2 * ivec2(i & 3, i >> 2) + 1, last);
+        four |= textureGather(ids, vec2(corner) * perPixel);
+    }
+    const uint found = four.x | four.y | four.z | four.w;
 
     const uint place = tile.x | tile.y << 16;
     if (found != 0) {

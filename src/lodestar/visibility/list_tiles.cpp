@@ -15,7 +15,9 @@ using gpu::Stage;
 }  // namespace
 
 ListTiles::ListTiles(const gpu::Device& device)
-    : pointSampler(device.vk(), vk::SamplerCreateInfo{}),
+    : pointSampler(device.vk(),
+                   vk::SamplerCreateInfo{.addressModeU = vk::SamplerAddressMode::eClampToEdge,
+                                         .addressModeV = vk::SamplerAddressMode::eClampToEdge}),
       kernel(device, "list tiles", kCode,
              {Slot::sampledImage, Slot::storageBuffer, Slot::storageBuffer, Slot::storageBuffer,
               Slot::storageBuffer},
