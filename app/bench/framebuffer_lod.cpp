@@ -259,7 +259,8 @@ double dbAt(std::vector<const Json*> list, double ms) {
     return NAN;
 }
 
-/// Over the rates r = 2 … 5 of `base`: the mean of what `other` gains in the same time [dB].
+/// Over the rates of `base` from `leastRate` to `mostRate`: the mean of what `other` gains in the
+/// same time [dB].
 double gainAtEqualTime(const std::vector<const Json*>& base, const std::vector<const Json*>& other,
                        double leastRate, double mostRate) {
     double sum = 0;
@@ -304,11 +305,12 @@ void addBars(const Shown& shown, const Json& rows, std::vector<Bar>& bars) {
     bars.push_back({fmt::format("speed-up at {:g} dB or more: {}", paper.leastDb, shown.name),
                     fastest, "x", fmt::format(">= {:g}", paper.leastSpeedup),
                     fastest >= paper.leastSpeedup});
+    // The paper compares them where conventional resizing has r = 2.
     const double over = gainAtEqualTime(rowsOf(rows, shown.name, "conventional"),
-                                        rowsOf(rows, shown.name, "full resizing"), 2, 3);
-    bars.push_back({fmt::format("full resizing over conventional, equal time: {}", shown.name),
-                    over, "dB", fmt::format(">= {:g}", paper.overBilinearDb),
-                    over >= paper.overBilinearDb});
+                                        rowsOf(rows, shown.name, "full resizing"), 2, 2);
+    bars.push_back(
+        {fmt::format("full resizing over conventional at r = 2, equal time: {}", shown.name), over,
+         "dB", fmt::format(">= {:g}", paper.overBilinearDb), over >= paper.overBilinearDb});
     const double localGain = gainAtEqualTime(plain, local, 1.5, 4);
     bars.push_back({fmt::format("local r over one r, equal time: {}", shown.name), localGain, "dB",
                     "> 0", localGain > 0});
