@@ -221,7 +221,7 @@ LS_NAMESPACE_END
     VISIT(p.light.shadowTaps) VISIT(p.light.skyViewCount) VISIT(p.light.skyTaps) \
     VISIT(p.light.noiseOctaves) VISIT(p.light.noiseWarps) VISIT(p.light.noiseFrequency) \
     VISIT(p.light.lightCount) VISIT(p.light.skyLevels) VISIT(p.light.exposure) \
-    VISIT(p.light.perLux) \
+    VISIT(p.light.perLux) VISIT(p.light.backdrop) \
     LS_VISIT_VIEWS_4(VISIT, p.light.views, 0) LS_VISIT_VIEWS_4(VISIT, p.light.views, 4) \
     LS_VISIT_VIEWS_4(VISIT, p.light.views, 8) \
     LS_VISIT_VIEWS_4(VISIT, p.light.views, 12) LS_VISIT_VIEW(VISIT, p.light.views[16]) \

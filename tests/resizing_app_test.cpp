@@ -48,7 +48,7 @@ TEST(Calibrate, writesRatesThatRenderTakes) {
     const Json tuned = Json::parse(contents(settings));
     EXPECT_EQ(tuned.at("term_ms").size(), 3u);
     EXPECT_NEAR(tuned.at("budget_ms").get<double>(), 0.7 * tuned.at("full_ms").get<double>(), 1e-9);
-    EXPECT_EQ(tuned.at("samples").size(), 1u + 2 * (3 * 5 + 2 + 2));
+    EXPECT_EQ(tuned.at("samples").size(), 1u + 2 * (3 * 6 + 2 + 2));
     for (const Json& other : tuned.at("finalists")) EXPECT_TRUE(other.contains("predicted_ms"));
 
     std::tie(status, error) = run(folder, "render" + scene + "--settings " + settings + " --out " +

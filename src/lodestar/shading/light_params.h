@@ -31,7 +31,7 @@ struct LightParams {
     uint lightCount;       // punctual lights
     uint skyLevels;        // mip levels of the sky map: roughness 0 … 1
     float exposure;        // multiplies radiance before the tone map
-    float perLux;  // multiplies punctual and emissive light, which files give in lux and nit
+    float perLux;   // multiplies punctual and emissive light, which files give in lux and nit
     vec3 backdrop;  // linear display colour past all surfaces, where the sky is not shown
     GpuLightView views[LS_MAX_SKY_VIEWS + 1];  // the sun's, then those of the sky
 };
