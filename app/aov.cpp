@@ -98,6 +98,14 @@ Result<std::vector<std::string>> parseAovs(const std::string& text) {
     return names;
 }
 
+void keepForAovs(const std::vector<std::string>& names, frame::FrameSettings& settings) {
+    for (const std::string& name : names) {
+        settings.motion = settings.motion || name == "motion";
+        settings.keepTerms =
+            settings.keepTerms || name == "shadow" || name == "ao" || name == "ssao";
+    }
+}
+
 Result<std::vector<std::filesystem::path>> writeAovs(const gpu::Device& device,
                                                      const frame::Frame& frame,
                                                      const std::vector<std::string>& names,

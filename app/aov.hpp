@@ -15,6 +15,9 @@ namespace lodestar::app {
 /// motion (from here to where the surface was a frame ago [pixels], y down).
 Result<std::vector<std::string>> parseAovs(const std::string& text);
 
+/// What a frame has to make so that `names` can be written of its pictures.
+void keepForAovs(const std::vector<std::string>& names, frame::FrameSettings&);
+
 /// Writes each of `names` of the last picture as `STEM.NAME.exr` beside `out`. Returns the files.
 Result<std::vector<std::filesystem::path>> writeAovs(const gpu::Device&, const frame::Frame&,
                                                      const std::vector<std::string>& names,

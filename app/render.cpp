@@ -256,7 +256,7 @@ Result<void> run(Options options) {
     options.settings.size = vk::Extent2D{static_cast<std::uint32_t>(options.view.size.width),
                                          static_cast<std::uint32_t>(options.view.size.height)};
     options.settings.maxScale = options.levers.renderScale.atLeast(1);
-    options.settings.motion = std::count(options.aovs.begin(), options.aovs.end(), "motion") > 0;
+    keepForAovs(options.aovs, options.settings);
     frame::Frame frame(*session->device, *session->gpuScene, options.settings);
     fmt::print("{} at {}x{} on {}\n", printable(options.scene), options.view.size.width,
                options.view.size.height, session->device->description().name);

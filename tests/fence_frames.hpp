@@ -45,8 +45,13 @@ struct Rig {
                  Scene shown = fence())
         : source(std::move(shown)),
           onGpu(owner, source),
-          frame(owner, onGpu, settings),
+          frame(owner, onGpu, keepingTerms(settings)),
           device(owner) {}
+
+    static FrameSettings keepingTerms(FrameSettings settings) {
+        settings.keepTerms = true;
+        return settings;
+    }
 
     std::vector<glm::vec4> terms(const Levers& levers) {
         frame.render(kView, levers);

@@ -130,8 +130,8 @@ TEST_F(FrameTest, everyPassIsTimed) {
     FrameSettings settings = small(32, 32);
     settings.skyViews = 1;
     Stage stage(device(), small_scenes::single(small_scenes::quad()), settings);
-    const auto namesAt = [&](float rate) {
-        const auto times = stage.frame.render(small_scenes::facing(), {.shadingRate = rate});
+    const auto namesAt = [&](const budget::Levers& levers) {
+        const auto times = stage.frame.render(small_scenes::facing(), levers);
         std::string names;
         double sum = 0;
         for (const auto& pass : times.passes) {
@@ -143,12 +143,38 @@ TEST_F(FrameTest, everyPassIsTimed) {
     };
     const std::string capture = device().hasInt64Atomics() ? "cull, cull triangles, capture, ids, "
                                                            : "cull, cull triangles, capture, ";
-    EXPECT_EQ(
-        namesAt(2),
-        "cull, cull triangles, shadow map, cull, cull triangles, sky map, " + capture +
-            "list tiles, background, rebuild, list terms, terms, upsample, combine, tonemap, ");
-    // The depth maps of an unmoved scene are kept.
-    EXPECT_EQ(namesAt(1), capture + "list tiles, background, rebuild, terms, combine, tonemap, ");
+    const std::string coarse = "list tiles, background, rebuild, list terms, terms, ";
+    EXPECT_EQ(namesAt({.shadingRate = 2}),
+              "cull, cull triangles, shadow map, cull, cull triangles, sky map, " + capture +
+                  coarse + "combine, tonemap, ");
+    // The depth maps of an unmoved scene are kept. Grids of two rates are joined on O.
+    EXPECT_EQ(namesAt({.shadingRate = 4, .split = {1, 0.5f, 1}}),
+              capture + coarse + "upsample, list terms, terms, upsample, combine, tonemap, ");
+    EXPECT_EQ(namesAt({}), capture + "list tiles, background, rebuild, terms, combine, tonemap, ");
+}
+
+TEST_F(FrameTest, termsLeftOnGridSShadeAsThoseReconstructedBefore) {
+    using upsample::Reconstruct;
+    for (const Reconstruct kind : {Reconstruct::bilateral, Reconstruct::bilinear,
+                                   Reconstruct::biquadratic, Reconstruct::nearestDepth}) {
+        FrameSettings settings = small(75, 45);
+        settings.noiseOctaves = 3;
+        settings.reconstruct = kind;
+        settings.sigmas = {.z = 0.05f, .n = 0.7f};
+        Stage onS(device(), small_scenes::jumble(), settings);
+        settings.keepTerms = true;
+        Stage onO(device(), small_scenes::jumble(), settings);
+        const Camera camera = scene::frame(onS.onGpu.bounds(), 0.8f);
+        for (const float rate : {1.5f, 3.7f}) {
+            onS.render(camera, rate);
+            onO.render(camera, rate);
+            const auto left = onS.halves(onS.frame.radiance());
+            const auto before = onO.halves(onO.frame.radiance());
+            for (std::size_t i = 0; i < left.size(); ++i)
+                ASSERT_LT(glm::distance(left[i], before[i]), 0.003f * glm::length(before[i]))
+                    << "pixel " << i << ", rate " << rate << ", filter " << int(kind);
+        }
+    }
 }
 
 TEST_F(FrameTest, oddSizesWork) {
@@ -204,6 +230,7 @@ TEST_F(FrameTest, shadowsDarkenWhatLiesBehindTheirCasters) {
         FrameSettings settings = small(64, 48);
         settings.toSun = {0, 1, 0};
         settings.shadowTaps = taps;
+        settings.keepTerms = true;
         Stage stage(device(), scene, settings);
         stage.render(camera);
         const auto ids = stage.ids();

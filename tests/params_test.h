@@ -24,6 +24,7 @@
 #include "lodestar/shading/layer_params.h"
 #include "lodestar/shading/light_params.h"
 #include "lodestar/shading/weigh_repair_params.h"
+#include "lodestar/upsample/reconstruct_params.h"
 #include "lodestar/upsample/refine_params.h"
 #include "lodestar/upsample/upsample_params.h"
 #include "lodestar/visibility/capture_compute_params.h"
@@ -72,6 +73,7 @@ struct AllParams {
     CoarseParams coarse;
     GpuLightView lightView;
     LightParams light;
+    ReconstructParams reconstruct;
     UpsampleParams upsample;
     RepairHeader repair;
     RepairSelectParams repairSelect;
@@ -136,6 +138,9 @@ LS_NAMESPACE_END
 #define LS_VISIT_LIST(VISIT, a) \
     LS_VISIT_3(VISIT, a.groups) VISIT(a.count) LS_VISIT_3(VISIT, a.blocks) VISIT(a.dropped) \
     LS_VISIT_3(VISIT, a.words) VISIT(a.unused)
+#define LS_VISIT_RECONSTRUCT(VISIT, r) \
+    VISIT(r.size) VISIT(r.inverseRate) VISIT(r.depthFalloff) VISIT(r.normalFalloff) \
+    VISIT(r.unlikeAbove)
 #define LS_VISIT_GRID(VISIT, g) VISIT(g.size) VISIT(g.fullSize) VISIT(g.rate)
 #define LS_VISIT_LENS(VISIT, l) \
     LS_VISIT_GRID(VISIT, l.grid) VISIT(l.focus) VISIT(l.sharp) VISIT(l.slope) \
@@ -225,8 +230,8 @@ LS_NAMESPACE_END
     LS_VISIT_VIEWS_4(VISIT, p.light.views, 0) LS_VISIT_VIEWS_4(VISIT, p.light.views, 4) \
     LS_VISIT_VIEWS_4(VISIT, p.light.views, 8) \
     LS_VISIT_VIEWS_4(VISIT, p.light.views, 12) LS_VISIT_VIEW(VISIT, p.light.views[16]) \
-    VISIT(p.upsample.size) VISIT(p.upsample.fullSize) VISIT(p.upsample.inverseRate) VISIT(p.upsample.depthFalloff) \
-    VISIT(p.upsample.normalFalloff) VISIT(p.upsample.terms) VISIT(p.upsample.repairAbove) VISIT(p.upsample.repairSpread) \
+    LS_VISIT_RECONSTRUCT(VISIT, p.reconstruct) LS_VISIT_RECONSTRUCT(VISIT, p.upsample.from) VISIT(p.upsample.fullSize) \
+    VISIT(p.upsample.terms) VISIT(p.upsample.repairSpread) \
     LS_VISIT_3(VISIT, p.repair.groups) VISIT(p.repair.listed) VISIT(p.repair.kept) \
     VISIT(p.repair.cut) VISIT(p.repair.partOf) LS_VISIT_BINS_16(VISIT, p.repair.bins, 0) \
     LS_VISIT_BINS_16(VISIT, p.repair.bins, 16) LS_VISIT_BINS_16(VISIT, p.repair.bins, 32) \
@@ -264,7 +269,7 @@ LS_NAMESPACE_END
     VISIT(p.sampleGrid.size) VISIT(p.sampleGrid.fullSize) VISIT(p.sampleGrid.rate) \
     VISIT(p.spatial.step) VISIT(p.spatial.texelSize) VISIT(p.spatial.last) \
     VISIT(p.spatial.live) VISIT(p.spatial.size) VISIT(p.spatial.amount) VISIT(p.spatial.seed) \
-    VISIT(p.combine.size) VISIT(p.listTiles.size) VISIT(p.background.size) \
+    VISIT(p.combine.size) LS_VISIT_RECONSTRUCT(VISIT, p.combine.from) VISIT(p.listTiles.size) VISIT(p.background.size) \
     VISIT(p.motion.previousClipFromWorld) VISIT(p.motion.size) \
     VISIT(p.motion.firstDeformed) \
     VISIT(p.deform.firstVertex) VISIT(p.deform.vertexCount) VISIT(p.deform.firstRest) \

@@ -36,6 +36,7 @@ add_library(lodestar STATIC
     shading/layer.cpp
     shading/weigh_repair.cpp
     upsample/pack_coarse.cpp
+    upsample/reconstruct_params.cpp
     upsample/refine.cpp
     upsample/repair.cpp
     upsample/upsample.cpp

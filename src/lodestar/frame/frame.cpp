@@ -155,7 +155,7 @@ void Frame::shade(const budget::Levers& levers, const visibility::CompactRecord*
         show();
         return;
     }
-    shadeBackground(!termsAreConstant());
+    shadeBackground(keepsTerms() && !termsAreConstant());
     // What is exact on grid O, and the expensive terms on grids S.
     rebuildPass.record(rec, *scene,
                        {.ids = ids(),
@@ -164,21 +164,22 @@ void Frame::shade(const budget::Levers& levers, const visibility::CompactRecord*
                         .textureScale = textureScale,
                         .tiles = &coveredTiles},
                        surfaces);
-    evaluateTerms(levers);
+    const std::optional<upsample::Upsample::Inputs> termsOnS = evaluateTerms(levers);
     if (post) post->recordOcclusion(rec, picture(from), levers, terms());
     rec.barrier(Stage::compute, Stage::compute);
 
     combine.record(rec,
-                   {viewBuffer,
-                    lightBuffer,
-                    surfaces.depth,
-                    surfaces.material,
-                    surfaces.emissive,
-                    termImage,
-                    skyImage,
-                    scene->lights,
-                    {},
-                    &coveredTiles},
+                   {.view = viewBuffer,
+                    .light = lightBuffer,
+                    .depth = surfaces.depth,
+                    .material = surfaces.material,
+                    .emissive = surfaces.emissive,
+                    .terms = termImage,
+                    .sky = skyImage,
+                    .lights = scene->lights,
+                    .tiles = &coveredTiles,
+                    .termsOnS = termsOnS,
+                    .sigmas = options.sigmas},
                    radiance());
     blendLayer(levers.layerScale);
     if (post) post->recordLens(rec, picture(from), levers, radiance());
@@ -343,12 +344,17 @@ void Frame::findVisible(const geometry::CullView& view) {
 
 /// Whether nothing ever changes the image of terms: there are none, and no effect writes its own.
 bool Frame::termsAreConstant() const {
-    return coarse.present() == 0 && !post;
+    return coarse.present() == 0 && !options.post.ssao;
 }
 
-void Frame::evaluateTerms(const budget::Levers& levers) {
+/// Whether the image of terms is wanted all over grid O, beside what shading reads of it.
+bool Frame::keepsTerms() const {
+    return options.keepTerms || options.post.ssao || joining != scale::TemporalMode::off;
+}
+
+std::optional<upsample::Upsample::Inputs> Frame::evaluateTerms(const budget::Levers& levers) {
     listHolds = refines = false;
-    if (termsAreConstant()) return;
+    if (termsAreConstant()) return {};
     const shading::Coarse::Inputs inputs{.ids = ids(),
                                          .sunMap = lightMaps.sunMap(),
                                          .skyMaps = lightMaps.skyMaps(),
@@ -359,8 +365,9 @@ void Frame::evaluateTerms(const budget::Levers& levers) {
     const bool repairing = levers.repair > 0;
     if (repairing) upsample::RepairSelect::clear(rec, repairList);
     shading::Coarse::Mask written = 0, toRepair = 0;
-    for (const RateGroup& group :
-         rateGroups(levers, static_cast<float>(options.supersample), coarse.present())) {
+    const std::vector<RateGroup> groups =
+        rateGroups(levers, static_cast<float>(options.supersample), coarse.present());
+    for (const RateGroup& group : groups) {
         // The first group fills the image, the others replace their channels.
         const auto mask = written == 0 ? shading::Coarse::Mask(shared::LS_ALL_TERMS) : group.terms;
         if (written != 0) rec.barrier(Stage::compute, Stage::compute);
@@ -373,21 +380,23 @@ void Frame::evaluateTerms(const budget::Levers& levers) {
         const bool lists = repairing && toRepair == 0;
         toRepair |= group.terms;
         evaluateOnGridS(inputs, group.terms, group.rate, levers.localRate);
+        const upsample::Upsample::Inputs onS{
+            coarseImage, depth(),      surfaces.normal, shading::coarseExtent(live, group.rate),
+            group.rate,  &coveredTiles};
+        if (groups.size() == 1 && !repairing && !keepsTerms()) return onS;
         rec.barrier(Stage::compute, Stage::compute);
-        upsample.record(rec,
-                        {coarseImage, depth(), surfaces.normal,
-                         shading::coarseExtent(live, group.rate), group.rate, &coveredTiles},
-                        options.sigmas, termImage,
+        upsample.record(rec, onS, options.sigmas, termImage,
                         {.channels = mask,
                          .repair = lists ? &repairList : nullptr,
                          .leastWeight = options.leastWeight});
     }
     listHolds = repairing && toRepair != 0;
-    if (!listHolds) return;
+    if (!listHolds) return {};
     rec.barrier(Stage::compute, Stage::compute);
     weighRepair.record(rec, {viewBuffer, lightBuffer, material()}, toRepair, repairList);
     repairSelect.record(rec, repairList, levers.repair);
     coarse.recordRepair(rec, *scene, inputs, toRepair, repairList, termImage);
+    return {};
 }
 
 /// Every texel of S, or with a local rate every second one and, where the terms vary, the others.

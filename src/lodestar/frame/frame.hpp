@@ -58,6 +58,7 @@ struct FrameSettings {
     std::uint32_t noiseWarps = 0;        ///< times the pattern warps its own domain, at most 8
     float noiseScale = 0;      ///< cells of its first octave [scene units]; 0 = 1/8 of the scene
     float leastWeight = 0.1f;  ///< pixels reconstructed from less may be repaired
+    bool keepTerms = false;    ///< make Frame::terms() of every picture; temporal and SSAO do too
     bool motion = false;       ///< make motion vectors of every picture; temporal does so too
     PostSettings post;         ///< effects
     scale::TemporalOptions temporal;  ///< of render(): how the pictures of a sequence are joined
@@ -125,7 +126,8 @@ public:
     gpu::View depth() const { return part(surfaces.depth, live); }
     gpu::View normal() const { return part(surfaces.normal, live); }
     gpu::View material() const { return part(surfaces.material, live); }
-    /// RGBA16_SFLOAT: share of the sun seen, share of the sky seen.
+    /// RGBA16_SFLOAT: share of the sun seen, share of the sky seen, pattern, share of the ambient
+    /// light that the screen occludes. Only with FrameSettings::keepTerms; else it may be old.
     gpu::View terms() const { return part(termImage, live); }
     /// See visibility::Motion; only with FrameSettings::motion.
     gpu::View motion() const { return part(tracker.value().motion(), live); }
@@ -163,7 +165,9 @@ private:
     /// From radiance on grid O to the display.
     void show();
     bool termsAreConstant() const;
-    void evaluateTerms(const budget::Levers&);
+    bool keepsTerms() const;
+    /// On grid O; or, where they are all on one grid S and nothing but shading wants them, that.
+    std::optional<upsample::Upsample::Inputs> evaluateTerms(const budget::Levers&);
     void evaluateOnGridS(const shading::Coarse::Inputs&, shading::Coarse::Mask, float rate,
                          float localRate);
     void shadeOnGridS(float rate);

@@ -158,7 +158,7 @@ Frame::Frame(const gpu::Device& owner, const scene::GpuScene& gpuScene, const Fr
       refine(owner),
       repairSelect(owner),
       weighRepair(owner),
-      combine(owner, gpuScene.features(), options.backdrop.has_value()),
+      combine(owner, gpuScene.features(), {options.backdrop.has_value(), s.reconstruct}),
       tonemap(owner),
       spatial(owner),
       eyeList(owner, gpuScene, "eye", scene::TablePart::eye,

@@ -25,12 +25,26 @@ layout(binding = 6) uniform sampler2D sky;
 layout(binding = 7, scalar) readonly buffer Lights { GpuLight lights[]; };
 layout(binding = 8, rgba16f) writeonly uniform image2D outRadiance;
 layout(binding = 9) uniform sampler2D points;  // NDC
-layout(binding = 10) uniform usamplerBuffer tiles;
+layout(binding = 10) uniform usampler2D coarse;         // grid S
+layout(binding = 11) uniform usampler2D surfaceNormal;  // in view space
+layout(binding = 12) uniform usamplerBuffer tiles;
 layout(push_constant, scalar) uniform Push { CombineParams params; };
 
 layout(constant_id = 2) const uint kPunctualLights = 1;
 layout(constant_id = 3) const uint kPoints = 0;  // 1: at `points`, not at the centres of pixels
 layout(constant_id = 4) const uint kBackdrop = 0;  // 1: one colour in the place of the sky
+layout(constant_id = 5) const uint kOnS = 0;  // 1: terms of grid S, reconstructed; not `terms`
+layout(constant_id = 6) const uint kDomain = LS_DOMAIN_TENT;
+layout(constant_id = 7) const uint kRange = 1;
+const uint kRepair = 0;
+
+#include "../upsample/reconstruct.glsl"
+
+vec4 termsOf(ivec2 pixel, float depth) {
+    if (kOnS == 0) return texelFetch(terms, pixel, 0);
+    Likeness ignored;
+    return reconstruct(pixel, depth, texelFetch(surfaceNormal, pixel, 0).x, params.from, ignored);
+}
 
 /// Unshadowed point and spot lights, with the falloff of KHR_lights_punctual.
 vec3 punctual(Surface s, vec3 position) {
@@ -66,7 +80,7 @@ void main() {
     const float depth = texelFetch(surfaceDepth, pixel, 0).x;
     const uvec4 material = texelFetch(surfaceMaterial, pixel, 0);
     const vec4 albedo = unpackUnorm4x8(material.x);  // a: occlusion
-    const vec4 term = texelFetch(terms, pixel, 0);
+    const vec4 term = termsOf(pixel, depth);
     const vec2 visible = term.xy;
     const Surface s =
         surfaceOf(material, veins(light.noiseOctaves == 0 ? 1 : term.z), -direction);

@@ -5,15 +5,21 @@
 
 #include <lodestar/gpu/recorder.hpp>
 #include <lodestar/scene/gpu_scene.hpp>
+#include <lodestar/upsample/upsample.hpp>
 
 namespace lodestar::shading {
+
+struct CombineOptions {
+    /// shared::LightParams has a colour that is shown in the place of the sky.
+    bool backdrop = false;
+    upsample::Reconstruct reconstruct = upsample::Reconstruct::bilateral;  ///< of terms on grid S
+};
 
 /// Shading at grid O: metallic-roughness under sun, sky and punctual lights, from rebuilt
 /// attributes and the reconstructed coarse terms; the sky or backdrop where there is no surface.
 class Combine {
 public:
-    /// `backdrop`: shared::LightParams has a colour that is shown in the place of the sky.
-    Combine(const gpu::Device&, const scene::SceneFeatures&, bool backdrop = false);
+    Combine(const gpu::Device&, const scene::SceneFeatures&, const CombineOptions& = {});
 
     struct Inputs {
         const gpu::Buffer& view;              ///< shared::ViewParams
@@ -26,16 +32,20 @@ public:
         /// RG32_SFLOAT: where each pixel is met, in NDC; none: at its centre
         std::optional<gpu::View> points = {};
         const gpu::TileList* tiles = nullptr;  ///< of grid O; none: all
+        /// The terms on grid S, reconstructed as upsample::Upsample would in the place of reading
+        /// `terms`; not with `points`.
+        std::optional<upsample::Upsample::Inputs> termsOnS = {};
+        upsample::Sigmas sigmas = {};
     };
     /// Writes linear radiance to every texel in the extent of `radiance` (RGBA16_SFLOAT), and in
-    /// `tiles`. Its alpha
-    /// is the share that Tonemap gives its curve: 1, but 0 for unlit materials and the backdrop,
-    /// which show as authored.
+    /// `tiles`. Its alpha is the share that Tonemap gives its curve: 1, but 0 for unlit materials
+    /// and the backdrop, which show as authored. Throws std::invalid_argument as
+    /// upsample::Upsample::record does.
     void record(gpu::Recorder&, const Inputs&, gpu::View radiance) const;
 
 private:
     vk::raii::Sampler pointSampler, skySampler;
-    gpu::Kernel kernel, pointKernel;
+    gpu::Kernel kernel, pointKernel, onS;
 };
 
 }  // namespace lodestar::shading

@@ -2,10 +2,12 @@
 #ifndef LS_COMBINE_PARAMS_H
 #define LS_COMBINE_PARAMS_H
 #include "../shared/types.h"
+#include "../upsample/reconstruct_params.h"
 LS_NAMESPACE_BEGIN
 
 struct CombineParams {
     uvec2 size;  // of the part of the targets in use
+    ReconstructParams from;
 };
 
 LS_NAMESPACE_END

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include <lodestar/upsample/refine_params.h>
-#include <lodestar/upsample/falloff.hpp>
+#include <lodestar/upsample/reconstruct_params.hpp>
 #include <lodestar/upsample/refine.hpp>
 
 namespace lodestar::upsample {

@@ -1,11 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
-#include "../shared/octahedral.h"
 #include "../shared/tiles.glsl"
-#include "coarse_texel.glsl"
 #include "upsample_params.h"
 
-// Joint bilateral upsampling (Yang, Sander, Lawrence 2008, eq. 1), one thread a pixel of O.
+// Joint bilateral upsampling, one thread a pixel of O.
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(constant_id = 0) const uint kDomain = LS_DOMAIN_TENT;
@@ -22,55 +20,7 @@ layout(binding = 5, scalar) writeonly buffer List { uint listed[]; };
 layout(binding = 6) uniform usamplerBuffer tiles;
 layout(push_constant, scalar) uniform Push { UpsampleParams params; };
 
-const int kTaps = kDomain == LS_DOMAIN_NEAREST     ? 1
-                  : kDomain == LS_DOMAIN_QUADRATIC ? 3
-                  : kDomain == LS_DOMAIN_CUBIC     ? 4
-                  : kDomain == LS_DOMAIN_GAUSSIAN  ? 4
-                                                   : 2;
-
-/// Weights of the taps along one axis. `f` is where the pixel lies between the taps: for an even
-/// number of taps its distance past the middle-left one (0 … 1), for three taps its distance from
-/// the middle one (−½ … ½).
-void domainWeights(float f, out float w[4]) {
-    w = float[4](1, 0, 0, 0);
-    if (kDomain == LS_DOMAIN_TENT || kDomain == LS_DOMAIN_NEAREST_DEPTH) {
-        w[0] = 1 - f;
-        w[1] = f;
-    } else if (kDomain == LS_DOMAIN_QUADRATIC) {
-        w[0] = 0.5 * (0.5 - f) * (0.5 - f);
-        w[1] = 0.75 - f * f;
-        w[2] = 0.5 * (0.5 + f) * (0.5 + f);
-    } else if (kDomain == LS_DOMAIN_CUBIC) {
-        const float g = 1 - f;
-        w[0] = g * g * g / 6;
-        w[1] = (4 - 6 * f * f + 3 * f * f * f) / 6;
-        w[2] = (4 - 6 * g * g + 3 * g * g * g) / 6;
-        w[3] = f * f * f / 6;
-    } else if (kDomain == LS_DOMAIN_GAUSSIAN) {
-        for (int i = 0; i < 4; ++i) {
-            const float d = float(i - 1) - f;
-            w[i] = exp(-d * d / (2 * 0.7 * 0.7));
-        }
-        const float sum = w[0] + w[1] + w[2] + w[3];
-        for (int i = 0; i < 4; ++i) w[i] /= sum;
-    }
-}
-
-/// One of the taps alone where any differs in depth by more than 3 σz: the most like one.
-vec4 mostLikeInDepth(uvec4 taps[16], float wx[4], float wy[4], float z, float perZ) {
-    float least = 3e38, most = 0;
-    vec4 best = vec4(0), mean = vec4(0);
-    for (int j = 0; j < 4; ++j) {
-        const float difference = abs(z - coarseDepth(taps[j])) * perZ;
-        const vec4 values = coarseTerms(taps[j]);
-        if (difference < least) best = values;
-        least = min(least, difference);
-        most = max(most, difference);
-        mean += wx[j % 2] * wy[j / 2] * values;
-    }
-    // falloff = log2(e) / (2 σ²), so 3 σz = √(4.5 log2(e) / falloff).
-    return most * most * params.depthFalloff <= 4.5 * 1.44269504 ? mean : best;
-}
+#include "reconstruct.glsl"
 
 const float kNoRepair = -1;
 const float kQuiteUnlike = 12;  // times the unlikeness from which on taps are unlike a pixel
@@ -78,10 +28,11 @@ const float kQuiteUnlike = 12;  // times the unlikeness from which on taps are u
 /// How much a pixel wants to be evaluated anew, 0 … 1, or kNoRepair. First come those that no tap
 /// is like, which may hold anything: more so the further the taps lie apart, and a little the less
 /// like it they are. Then those whose taps are like it and disagree.
-float repairRank(bool unlike, float least, float spread) {
-    if (unlike)
-        return 0.5 + 0.4 * spread + 0.1 * min(least / (kQuiteUnlike * params.repairAbove), 1);
-    return spread > params.repairSpread ? 0.5 * spread : kNoRepair;
+float repairRank(Likeness like) {
+    const float unlike = params.from.unlikeAbove;
+    if (like.least > unlike)
+        return 0.5 + 0.4 * like.spread + 0.1 * min(like.least / (kQuiteUnlike * unlike), 1);
+    return like.spread > params.repairSpread ? 0.5 * like.spread : kNoRepair;
 }
 
 /// Adds a pixel to the list, of the higher bins the higher its rank.
@@ -98,74 +49,13 @@ void write(ivec2 pixel, vec4 values) {
     imageStore(terms, pixel, values);
 }
 
-/// Writes the pixel. Its repairRank.
-float reconstruct(ivec2 pixel) {
-    // x̂: the pixel's centre in texels of S, texel centres at integers.
-    const vec2 at = (vec2(pixel) + 0.5) * params.inverseRate - 0.5;
-    const bool odd = (kTaps & 1) == 1;
-    const vec2 anchor = floor(odd ? at + 0.5 : at);
-    const ivec2 first = ivec2(anchor) - (kTaps - 1) / 2;
-    float wx[4], wy[4];
-    domainWeights(at.x - anchor.x, wx);
-    domainWeights(at.y - anchor.y, wy);
-
-    const float z = texelFetch(depth, pixel, 0).x;
-    const vec2 n = foreshortened(unpackNormal(texelFetch(normal, pixel, 0).x));
-    const float perZ = z > 0 ? 1 / z : 0;
-    const ivec2 last = ivec2(params.size) - 1;
-
-    // The range weights are exp2(−e). All e are taken relative to the least, which changes nothing
-    // in the quotient but keeps it defined where every tap is unlike the pixel. A tap of (almost) no
-    // domain weight does not set that scale, nor gain weight by it: whether rounding makes its
-    // weight 0 or 1e-7 must not decide a pixel.
-    uvec4 taps[16];
-    float e[16];
-    float least = 3e38;
-    for (int j = 0; j < kTaps * kTaps; ++j) {
-        const ivec2 tap = clamp(first + ivec2(j % kTaps, j / kTaps), ivec2(0), last);
-        taps[j] = texelFetch(coarse, tap, 0);
-        e[j] = 0;
-        if (kRange != 0) {
-            // Background is like background alone; it has no normal.
-            const float tapZ = coarseDepth(taps[j]);
-            const float dz = z > 0 ? (z - tapZ) * perZ : tapZ > 0 ? 1 : 0;
-            const vec2 dn = z > 0 ? n - coarseNormal(taps[j]) : vec2(0);
-            e[j] = min(params.depthFalloff * dz * dz + params.normalFalloff * dot(dn, dn), 1e30);
-            if (wx[j % kTaps] * wy[j / kTaps] > 1e-4) least = min(least, e[j]);
-        }
-    }
-    if (kDomain == LS_DOMAIN_NEAREST_DEPTH && kRange != 0) {
-        write(pixel, mostLikeInDepth(taps, wx, wy, z, perZ));
-        return kNoRepair;
-    }
-    // Where no tap is like the pixel any of them may be wrong; else those that weigh may disagree.
-    const bool unlike = least > params.repairAbove;
-    const float relevant = unlike ? 3e38 : least + 2;
-    float low = 3e38, high = -3e38;
-    vec4 sum = vec4(0);
-    float weights = 0;
-    for (int j = 0; j < kTaps * kTaps; ++j) {
-        const vec4 values = coarseTerms(taps[j]);
-        float w = wx[j % kTaps] * wy[j / kTaps];
-        if (kRepair != 0) {
-            const bool counts = e[j] <= relevant && w >= 0.05;
-            const float light = values.x + values.y + values.z;  // each makes a pixel brighter
-            low = min(low, counts ? light : 3e38);
-            high = max(high, counts ? light : -3e38);
-        }
-        if (kRange != 0) w *= exp2(clamp(least - e[j], -126.0, 0.0));
-        sum += w * values;
-        weights += w;
-    }
-    write(pixel, sum / weights);
-
-    if (kRepair == 0 || z == 0) return kNoRepair;
-    return repairRank(unlike, least, clamp(high - low, 0, 1));
-}
-
 void main() {
     const ivec2 pixel = pixelOfThread(tiles);
     if (any(greaterThanEqual(pixel, ivec2(params.fullSize)))) return;
-    const float rank = reconstruct(pixel);
+    const float z = texelFetch(depth, pixel, 0).x;
+    Likeness like;
+    write(pixel, reconstruct(pixel, z, texelFetch(normal, pixel, 0).x, params.from, like));
+    if (kRepair == 0 || z == 0) return;
+    const float rank = repairRank(like);
     if (rank >= 0) listForRepair(uint(pixel.y * int(params.fullSize.x) + pixel.x), rank);
 }

@@ -2,27 +2,17 @@
 #ifndef LS_UPSAMPLE_PARAMS_H
 #define LS_UPSAMPLE_PARAMS_H
 #include "../shared/types.h"
+#include "reconstruct_params.h"
 LS_NAMESPACE_BEGIN
-
-const uint LS_DOMAIN_NEAREST = 0u;
-const uint LS_DOMAIN_TENT = 1u;           // 2×2
-const uint LS_DOMAIN_QUADRATIC = 2u;      // 3×3, quadratic B-spline
-const uint LS_DOMAIN_CUBIC = 3u;          // 4×4, cubic B-spline
-const uint LS_DOMAIN_GAUSSIAN = 4u;       // 4×4, σ = 0.7 texels of S
-const uint LS_DOMAIN_NEAREST_DEPTH = 5u;  // of the 2×2 the one most like in depth, or their tent
 
 const uint LS_REPAIR_BINS = 64u;
 const uint LS_REPAIR_INDEX_BITS = 26u;  // of a listed pixel: its index, and above it the bin
 
 struct UpsampleParams {
-    uvec2 size;           // of S
-    uvec2 fullSize;       // of O
-    float inverseRate;    // 1/r
-    float depthFalloff;   // log2(e) / (2 σz²); 0 for σz = ∞
-    float normalFalloff;  // log2(e) / (2 σn²); 0 for σn = ∞
-    uint terms;           // channels of the output to write, a bit each
-    float repairAbove;    // −log2 of the least g·g of the best tap that need no repair
-    float repairSpread;   // nor taps that lie no further apart than this
+    ReconstructParams from;
+    uvec2 fullSize;      // of O
+    uint terms;          // channels of the output to write, a bit each
+    float repairSpread;  // pixels with taps like them no further apart than this need no repair
 };
 
 /// Pixels whose taps are all unlike them or disagree, those that want it more in higher bins.

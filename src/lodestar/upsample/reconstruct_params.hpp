@@ -1,0 +1,26 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <lodestar/upsample/reconstruct_params.h>
+#include <lodestar/upsample/upsample.hpp>
+
+// What kernels that include reconstruct.glsl are built and called with.
+
+namespace lodestar::upsample {
+
+/// kDomain of a kernel.
+std::uint32_t domainOf(Reconstruct);
+
+/// kRange of a kernel: whether it looks at depth and normal of O.
+bool isGuided(Reconstruct);
+
+/// exp(−d²/2σ²) = exp2(−falloff · d²); 0 for σ = ∞. Throws std::invalid_argument, which names the
+/// sigma, for σ ≤ 0.
+float falloff(float sigma, const char* name);
+
+/// Throws std::invalid_argument as Upsample::record does. `leastWeight`: g·g, between 0 and 1, of a
+/// tap that is like the pixel.
+shared::ReconstructParams reconstructParams(const Upsample::Inputs&, const Sigmas&,
+                                            float leastWeight = UpsampleOptions{}.leastWeight);
+
+}  // namespace lodestar::upsample
