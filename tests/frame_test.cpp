@@ -165,14 +165,20 @@ TEST_F(FrameTest, termsLeftOnGridSShadeAsThoseReconstructedBefore) {
         settings.keepTerms = true;
         Stage onO(device(), small_scenes::jumble(), settings);
         const Camera camera = scene::frame(onS.onGpu.bounds(), 0.8f);
-        for (const float rate : {1.5f, 3.7f}) {
-            onS.render(camera, rate);
-            onO.render(camera, rate);
+        for (const budget::Levers& levers :
+             {budget::Levers{.shadingRate = 1.5f}, budget::Levers{.shadingRate = 3.7f},
+              budget::Levers{.shadingRate = 5, .repair = 0.04f}}) {
+            onS.frame.render(camera, levers);
+            onO.frame.render(camera, levers);
+            EXPECT_EQ(onS.frame.repairedPixels(), onO.frame.repairedPixels());
+            const bool repairs = levers.repair > 0 && kind != Reconstruct::bilinear &&
+                                 kind != Reconstruct::nearestDepth;
+            EXPECT_EQ(onS.frame.repairedPixels() > 50, repairs);
             const auto left = onS.halves(onS.frame.radiance());
             const auto before = onO.halves(onO.frame.radiance());
             for (std::size_t i = 0; i < left.size(); ++i)
                 ASSERT_LT(glm::distance(left[i], before[i]), 0.003f * glm::length(before[i]))
-                    << "pixel " << i << ", rate " << rate << ", filter " << int(kind);
+                    << "pixel " << i << ", rate " << levers.shadingRate << ", filter " << int(kind);
         }
     }
 }

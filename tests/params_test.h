@@ -99,6 +99,7 @@ struct AllParams {
     BackgroundParams background;
     SpatialParams spatial;
     CombineParams combine;
+    CombineFromSParams combineFromS;
     MotionParams motion;
     DeformParams deform;
     DeformBoundsParams deformBounds;
@@ -140,7 +141,7 @@ LS_NAMESPACE_END
     LS_VISIT_3(VISIT, a.words) VISIT(a.unused)
 #define LS_VISIT_RECONSTRUCT(VISIT, r) \
     VISIT(r.size) VISIT(r.inverseRate) VISIT(r.depthFalloff) VISIT(r.normalFalloff) \
-    VISIT(r.unlikeAbove)
+    VISIT(r.unlikeAbove) VISIT(r.spreadAbove)
 #define LS_VISIT_GRID(VISIT, g) VISIT(g.size) VISIT(g.fullSize) VISIT(g.rate)
 #define LS_VISIT_LENS(VISIT, l) \
     LS_VISIT_GRID(VISIT, l.grid) VISIT(l.focus) VISIT(l.sharp) VISIT(l.slope) \
@@ -231,7 +232,7 @@ LS_NAMESPACE_END
     LS_VISIT_VIEWS_4(VISIT, p.light.views, 8) \
     LS_VISIT_VIEWS_4(VISIT, p.light.views, 12) LS_VISIT_VIEW(VISIT, p.light.views[16]) \
     LS_VISIT_RECONSTRUCT(VISIT, p.reconstruct) LS_VISIT_RECONSTRUCT(VISIT, p.upsample.from) VISIT(p.upsample.fullSize) \
-    VISIT(p.upsample.terms) VISIT(p.upsample.repairSpread) \
+    VISIT(p.upsample.terms) \
     LS_VISIT_3(VISIT, p.repair.groups) VISIT(p.repair.listed) VISIT(p.repair.kept) \
     VISIT(p.repair.cut) VISIT(p.repair.partOf) LS_VISIT_BINS_16(VISIT, p.repair.bins, 0) \
     LS_VISIT_BINS_16(VISIT, p.repair.bins, 16) LS_VISIT_BINS_16(VISIT, p.repair.bins, 32) \
@@ -269,7 +270,8 @@ LS_NAMESPACE_END
     VISIT(p.sampleGrid.size) VISIT(p.sampleGrid.fullSize) VISIT(p.sampleGrid.rate) \
     VISIT(p.spatial.step) VISIT(p.spatial.texelSize) VISIT(p.spatial.last) \
     VISIT(p.spatial.live) VISIT(p.spatial.size) VISIT(p.spatial.amount) VISIT(p.spatial.seed) \
-    VISIT(p.combine.size) LS_VISIT_RECONSTRUCT(VISIT, p.combine.from) VISIT(p.listTiles.size) VISIT(p.background.size) \
+    VISIT(p.combine.size) \
+    VISIT(p.combineFromS.size) LS_VISIT_RECONSTRUCT(VISIT, p.combineFromS.from) VISIT(p.listTiles.size) VISIT(p.background.size) \
     VISIT(p.motion.previousClipFromWorld) VISIT(p.motion.size) \
     VISIT(p.motion.firstDeformed) \
     VISIT(p.deform.firstVertex) VISIT(p.deform.vertexCount) VISIT(p.deform.firstRest) \

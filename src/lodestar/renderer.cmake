@@ -53,6 +53,7 @@ add_library(lodestar STATIC
     frame/frame.cpp
     frame/frame_samples.cpp
     frame/frame_setup.cpp
+    frame/frame_terms.cpp
     frame/eye_capture.cpp
     frame/light_maps.cpp
     frame/motion_tracker.cpp
@@ -109,6 +110,8 @@ lodestar_shaders(lodestar
     shading/coarse.comp
     shading/coarse_list.comp
     shading/combine.comp
+    shading/combine_from_s.comp
+    shading/combine_listed.comp
     shading/layer_blend.comp
     shading/layer_list.comp
     shading/layer_resolve.comp

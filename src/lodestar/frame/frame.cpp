@@ -9,8 +9,6 @@
 
 #include <lodestar/shading/coarse_params.h>
 #include <lodestar/shading/light_params.h>
-#include <lodestar/upsample/refine_params.h>
-#include <lodestar/upsample/upsample_params.h>
 #include <lodestar/frame/post_chain.hpp>
 #include <lodestar/frame/targets.hpp>
 #include <lodestar/gpu/readback.hpp>
@@ -20,34 +18,6 @@ namespace lodestar::frame {
 namespace {
 
 using gpu::Stage;
-
-/// Terms that share a grid S.
-struct RateGroup {
-    float rate;
-    shading::Coarse::Mask terms;
-};
-
-/// Of the terms that there are, the coarsest first. Without any: the constants they are then.
-std::vector<RateGroup> rateGroups(const budget::Levers& levers, float supersample,
-                                  shading::Coarse::Mask present) {
-    if (present == 0) return {{1, 0}};
-    std::vector<RateGroup> groups;
-    for (std::size_t i = 0; i < budget::kTerms; ++i) {
-        const float rate = levers.rate(budget::Term(i)) * supersample;
-        const shading::Coarse::Mask bit = 1u << i;
-        if ((present & bit) == 0) continue;
-        const auto same = std::find_if(groups.begin(), groups.end(), [&](const RateGroup& group) {
-            return std::abs(group.rate - rate) < 1e-3f;
-        });
-        if (same != groups.end())
-            same->terms |= bit;
-        else
-            groups.push_back({rate, bit});
-    }
-    std::sort(groups.begin(), groups.end(),
-              [](const RateGroup& a, const RateGroup& b) { return a.rate > b.rate; });
-    return groups;
-}
 
 void check(const budget::Levers& levers) {
     if (!(levers.layerScale >= 0.25f && levers.layerScale <= 1))
@@ -168,22 +138,25 @@ void Frame::shade(const budget::Levers& levers, const visibility::CompactRecord*
     if (post) post->recordOcclusion(rec, picture(from), levers, terms());
     rec.barrier(Stage::compute, Stage::compute);
 
-    combine.record(rec,
-                   {.view = viewBuffer,
-                    .light = lightBuffer,
-                    .depth = surfaces.depth,
-                    .material = surfaces.material,
-                    .emissive = surfaces.emissive,
-                    .terms = termImage,
-                    .sky = skyImage,
-                    .lights = scene->lights,
-                    .tiles = &coveredTiles,
-                    .termsOnS = termsOnS,
-                    .sigmas = options.sigmas},
-                   radiance());
+    if (termsOnS)
+        combineFromS(*termsOnS, levers.repair);
+    else
+        combine.record(rec, combineInputs(), radiance());
     blendLayer(levers.layerScale);
     if (post) post->recordLens(rec, picture(from), levers, radiance());
     show();
+}
+
+shading::Combine::Inputs Frame::combineInputs() const {
+    return {.view = viewBuffer,
+            .light = lightBuffer,
+            .depth = surfaces.depth,
+            .material = surfaces.material,
+            .emissive = surfaces.emissive,
+            .terms = termImage,
+            .sky = skyImage,
+            .lights = scene->lights,
+            .tiles = &coveredTiles};
 }
 
 void Frame::blendLayer(float scale) {
@@ -342,75 +315,6 @@ void Frame::findVisible(const geometry::CullView& view) {
     capture.recordHiZ(rec, live, view.clipFromWorld, hiz);
 }
 
-/// Whether nothing ever changes the image of terms: there are none, and no effect writes its own.
-bool Frame::termsAreConstant() const {
-    return coarse.present() == 0 && !options.post.ssao;
-}
-
-/// Whether the image of terms is wanted all over grid O, beside what shading reads of it.
-bool Frame::keepsTerms() const {
-    return options.keepTerms || options.post.ssao || joining != scale::TemporalMode::off;
-}
-
-std::optional<upsample::Upsample::Inputs> Frame::evaluateTerms(const budget::Levers& levers) {
-    listHolds = refines = false;
-    if (termsAreConstant()) return {};
-    const shading::Coarse::Inputs inputs{.ids = ids(),
-                                         .sunMap = lightMaps.sunMap(),
-                                         .skyMaps = lightMaps.skyMaps(),
-                                         .view = viewBuffer,
-                                         .light = lightBuffer,
-                                         .packing = options.packing,
-                                         .tiles = &coveredTiles};
-    const bool repairing = levers.repair > 0;
-    if (repairing) upsample::RepairSelect::clear(rec, repairList);
-    shading::Coarse::Mask written = 0, toRepair = 0;
-    const std::vector<RateGroup> groups =
-        rateGroups(levers, static_cast<float>(options.supersample), coarse.present());
-    for (const RateGroup& group : groups) {
-        // The first group fills the image, the others replace their channels.
-        const auto mask = written == 0 ? shading::Coarse::Mask(shared::LS_ALL_TERMS) : group.terms;
-        if (written != 0) rec.barrier(Stage::compute, Stage::compute);
-        written |= group.terms;
-        if (group.rate == 1) {
-            coarse.recordFull(rec, *scene, inputs, mask, termImage);
-            continue;
-        }
-        // The coarsest grid misses most: it says which pixels are repaired, for all the terms.
-        const bool lists = repairing && toRepair == 0;
-        toRepair |= group.terms;
-        evaluateOnGridS(inputs, group.terms, group.rate, levers.localRate);
-        const upsample::Upsample::Inputs onS{
-            coarseImage, depth(),      surfaces.normal, shading::coarseExtent(live, group.rate),
-            group.rate,  &coveredTiles};
-        if (groups.size() == 1 && !repairing && !keepsTerms()) return onS;
-        rec.barrier(Stage::compute, Stage::compute);
-        upsample.record(rec, onS, options.sigmas, termImage,
-                        {.channels = mask,
-                         .repair = lists ? &repairList : nullptr,
-                         .leastWeight = options.leastWeight});
-    }
-    listHolds = repairing && toRepair != 0;
-    if (!listHolds) return {};
-    rec.barrier(Stage::compute, Stage::compute);
-    weighRepair.record(rec, {viewBuffer, lightBuffer, material()}, toRepair, repairList);
-    repairSelect.record(rec, repairList, levers.repair);
-    coarse.recordRepair(rec, *scene, inputs, toRepair, repairList, termImage);
-    return {};
-}
-
-/// Every texel of S, or with a local rate every second one and, where the terms vary, the others.
-void Frame::evaluateOnGridS(const shading::Coarse::Inputs& inputs, shading::Coarse::Mask terms,
-                            float rate, float localRate) {
-    coarse.record(rec, *scene, inputs, terms, rate, termTexels, coarseImage, localRate > 0 ? 2 : 1);
-    if (localRate == 0) return;
-    refines = true;
-    rec.barrier(Stage::compute, Stage::compute);
-    refine.record(rec, {surfaces.depth, surfaces.normal, shading::coarseExtent(live, rate), rate},
-                  options.sigmas, localRate, coarseImage, termTexels);
-    coarse.recordListed(rec, *scene, inputs, terms, rate, termTexels, coarseImage);
-}
-
 void Frame::setShadowTaps(std::uint32_t taps) {
     if (taps < 1 || taps > shared::LS_MAX_SHADOW_TAPS)
         throw std::invalid_argument("Frame::setShadowTaps: 1 … 128");
@@ -419,22 +323,6 @@ void Frame::setShadowTaps(std::uint32_t taps) {
 
 float Frame::refinementCoarsened() const {
     return options.wavePx > 0 && !samples ? tessellate.coarsenedBy() : 1;
-}
-
-std::uint32_t Frame::refinedTexels() const {
-    if (!refines) return 0;
-    return gpu::as<shared::TexelListHeader>(
-               gpu::readBuffer(*device, termTexels.header, sizeof(shared::TexelListHeader)))
-        .front()
-        .listed;
-}
-
-std::uint32_t Frame::repairedPixels() const {
-    if (!listHolds) return 0;
-    return gpu::as<shared::RepairHeader>(
-               gpu::readBuffer(*device, repairList.header, sizeof(shared::RepairHeader)))
-        .front()
-        .kept;
 }
 
 void Frame::meter() {

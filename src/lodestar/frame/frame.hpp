@@ -168,8 +168,11 @@ private:
     bool keepsTerms() const;
     /// On grid O; or, where they are all on one grid S and nothing but shading wants them, that.
     std::optional<upsample::Upsample::Inputs> evaluateTerms(const budget::Levers&);
-    void evaluateOnGridS(const shading::Coarse::Inputs&, shading::Coarse::Mask, float rate,
-                         float localRate);
+    void evaluateOnGridS(shading::Coarse::Mask, float rate, float localRate);
+    void repairTerms(shading::Coarse::Mask missed, shading::Coarse::Mask evaluated, float share);
+    void combineFromS(const upsample::Upsample::Inputs& termsOnS, float repair);
+    shading::Coarse::Inputs termInputs() const;
+    shading::Combine::Inputs combineInputs() const;
     void shadeOnGridS(float rate);
     void shadeBackground(bool writesTerms);
     /// Sets the exposure by the last frame's radiance.

@@ -32,20 +32,29 @@ public:
         /// RG32_SFLOAT: where each pixel is met, in NDC; none: at its centre
         std::optional<gpu::View> points = {};
         const gpu::TileList* tiles = nullptr;  ///< of grid O; none: all
-        /// The terms on grid S, reconstructed as upsample::Upsample would in the place of reading
-        /// `terms`; not with `points`.
-        std::optional<upsample::Upsample::Inputs> termsOnS = {};
-        upsample::Sigmas sigmas = {};
     };
     /// Writes linear radiance to every texel in the extent of `radiance` (RGBA16_SFLOAT), and in
     /// `tiles`. Its alpha is the share that Tonemap gives its curve: 1, but 0 for unlit materials
-    /// and the backdrop, which show as authored. Throws std::invalid_argument as
-    /// upsample::Upsample::record does.
+    /// and the backdrop, which show as authored.
     void record(gpu::Recorder&, const Inputs&, gpu::View radiance) const;
 
+    /// The same, with terms that are reconstructed from grid S as upsample::Upsample would, in the
+    /// place of `terms`; at the centres of pixels. Throws std::invalid_argument as
+    /// upsample::Upsample::record does.
+    void recordFromS(gpu::Recorder&, const Inputs&, const upsample::Upsample::Inputs& termsOnS,
+                     const upsample::Sigmas&, const upsample::UpsampleOptions&,
+                     gpu::View radiance) const;
+
+    /// The same of the pixels that the list keeps, with `terms` again; at their centres.
+    void recordRepaired(gpu::Recorder&, const Inputs&, const upsample::RepairList&,
+                        gpu::View radiance) const;
+
 private:
+    std::vector<gpu::Binding> bindings(const Inputs&, gpu::View radiance) const;
+
     vk::raii::Sampler pointSampler, skySampler;
-    gpu::Kernel kernel, pointKernel, onS;
+    gpu::Kernel kernel, atPoints, fromS, fromSWithList, repaired;
+    gpu::Buffer noList;  ///< what is bound where no pixels are listed
 };
 
 }  // namespace lodestar::shading

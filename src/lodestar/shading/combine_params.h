@@ -7,6 +7,10 @@ LS_NAMESPACE_BEGIN
 
 struct CombineParams {
     uvec2 size;  // of the part of the targets in use
+};
+
+struct CombineFromSParams {
+    uvec2 size;
     ReconstructParams from;
 };
 

@@ -16,7 +16,8 @@ struct ReconstructParams {
     float inverseRate;    // 1/r
     float depthFalloff;   // log2(e) / (2 σz²); 0 for σz = ∞
     float normalFalloff;  // log2(e) / (2 σn²); 0 for σn = ∞
-    float unlikeAbove;    // −log2 of the least g·g of a tap that is like the pixel
+    float unlikeAbove;    // −log2 of the least g·g of the best tap that needs no repair
+    float spreadAbove;    // nor do taps like the pixel that lie no further apart than this
 };
 
 LS_NAMESPACE_END

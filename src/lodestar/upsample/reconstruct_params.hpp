@@ -18,9 +18,11 @@ bool isGuided(Reconstruct);
 /// sigma, for σ ≤ 0.
 float falloff(float sigma, const char* name);
 
-/// Throws std::invalid_argument as Upsample::record does. `leastWeight`: g·g, between 0 and 1, of a
-/// tap that is like the pixel.
+/// Throws std::invalid_argument as Upsample::record does.
 shared::ReconstructParams reconstructParams(const Upsample::Inputs&, const Sigmas&,
-                                            float leastWeight = UpsampleOptions{}.leastWeight);
+                                            const UpsampleOptions&);
+
+/// Whether taps are weighted: only then can all of them be too light.
+bool isBilateral(Reconstruct);
 
 }  // namespace lodestar::upsample

@@ -20,26 +20,8 @@ layout(binding = 5, scalar) writeonly buffer List { uint listed[]; };
 layout(binding = 6) uniform usamplerBuffer tiles;
 layout(push_constant, scalar) uniform Push { UpsampleParams params; };
 
+#include "list_repair.glsl"
 #include "reconstruct.glsl"
-
-const float kNoRepair = -1;
-const float kQuiteUnlike = 12;  // times the unlikeness from which on taps are unlike a pixel
-
-/// How much a pixel wants to be evaluated anew, 0 … 1, or kNoRepair. First come those that no tap
-/// is like, which may hold anything: more so the further the taps lie apart, and a little the less
-/// like it they are. Then those whose taps are like it and disagree.
-float repairRank(Likeness like) {
-    const float unlike = params.from.unlikeAbove;
-    if (like.least > unlike)
-        return 0.5 + 0.4 * like.spread + 0.1 * min(like.least / (kQuiteUnlike * unlike), 1);
-    return like.spread > params.repairSpread ? 0.5 * like.spread : kNoRepair;
-}
-
-/// Adds a pixel to the list, of the higher bins the higher its rank.
-void listForRepair(uint index, float rank) {
-    const uint bin = uint(clamp(rank * float(LS_REPAIR_BINS), 0, float(LS_REPAIR_BINS) - 1));
-    listed[atomicAdd(repair.listed, 1)] = index | bin << LS_REPAIR_INDEX_BITS;
-}
 
 void write(ivec2 pixel, vec4 values) {
     if (kMerge != 0) {
@@ -55,7 +37,5 @@ void main() {
     const float z = texelFetch(depth, pixel, 0).x;
     Likeness like;
     write(pixel, reconstruct(pixel, z, texelFetch(normal, pixel, 0).x, params.from, like));
-    if (kRepair == 0 || z == 0) return;
-    const float rank = repairRank(like);
-    if (rank >= 0) listForRepair(uint(pixel.y * int(params.fullSize.x) + pixel.x), rank);
+    if (kRepair != 0 && z > 0) listForRepair(pixel, params.fullSize, like, params.from);
 }

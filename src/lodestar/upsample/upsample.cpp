@@ -12,11 +12,6 @@ constexpr std::uint32_t kCode[] =
 
 using gpu::Slot;
 
-/// Whether taps are weighted: only then can all of them be too light.
-bool isBilateral(Reconstruct kind) {
-    return isGuided(kind) && kind != Reconstruct::nearestDepth;
-}
-
 gpu::Kernel makeKernel(const gpu::Device& device, Reconstruct kind, bool guided, bool merge,
                        bool repair) {
     return {device,
@@ -47,12 +42,9 @@ bool Upsample::guided() const {
 
 void Upsample::record(gpu::Recorder& rec, const Inputs& in, const Sigmas& sigmas, gpu::View terms,
                       const UpsampleOptions& options) const {
-    if (options.repair && options.repair->size != in.depth.extent)
-        throw std::invalid_argument("UpsampleOptions::repair: the list has another size");
-    const shared::UpsampleParams params{.from = reconstructParams(in, sigmas, options.leastWeight),
+    const shared::UpsampleParams params{.from = reconstructParams(in, sigmas, options),
                                         .fullSize = {in.depth.extent.width, in.depth.extent.height},
-                                        .terms = options.channels,
-                                        .repairSpread = options.mostSpread};
+                                        .terms = options.channels};
     const bool flat = params.from.depthFalloff == 0 && params.from.normalFalloff == 0;
     const auto pass = rec.pass("upsample");
     const bool merge = options.channels != 15;

@@ -10,9 +10,8 @@ const uint LS_REPAIR_INDEX_BITS = 26u;  // of a listed pixel: its index, and abo
 
 struct UpsampleParams {
     ReconstructParams from;
-    uvec2 fullSize;      // of O
-    uint terms;          // channels of the output to write, a bit each
-    float repairSpread;  // pixels with taps like them no further apart than this need no repair
+    uvec2 fullSize;  // of O
+    uint terms;      // channels of the output to write, a bit each
 };
 
 /// Pixels whose taps are all unlike them or disagree, those that want it more in higher bins.
