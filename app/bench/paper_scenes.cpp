@@ -53,7 +53,7 @@ double passMs(const gpu::FrameTimes& times, const char* name) {
 double shareOf(frame::Frame& frame, const scene::Camera& camera) {
     std::vector<double> shares;
     warmUp([&] { return frame.render(camera, {}); });
-    for (int i = 0; i < 3; ++i) {
+    for (int i = 0; i < 7; ++i) {
         const gpu::FrameTimes times = frame.render(camera, {});
         shares.push_back(passMs(times, "terms") / times.gpuMs);
     }

@@ -20,9 +20,10 @@ struct PaperScene {
     double overBilinearDb;         ///< of full resizing over conventional, at equal time
 };
 inline constexpr std::array kPaperScenes{
-    PaperScene{"car", "lamborghini.glb", "front", budget::Term::shadow, 0.93, 9.3, 42, 3},
-    PaperScene{"chess", "chess_abeautifulgame.glb", "player", budget::Term::ao, 0.92, 6.6, 38, 2},
-    PaperScene{"dragon", "stanford_dragon_res2.glb", "side", budget::Term::noise, 0.65, 2.6, 40, 7},
+    PaperScene{"car", "lamborghini.glb", "front", budget::Term::shadow, 0.930, 9.3, 42, 3},
+    PaperScene{"chess", "chess_abeautifulgame.glb", "player", budget::Term::ao, 0.924, 6.6, 38, 2},
+    PaperScene{"dragon", "stanford_dragon_res2.glb", "side", budget::Term::noise, 0.656, 2.6, 40,
+               7},
 };
 
 /// How heavy a term is: N of the N×N taps, or octaves and warps of noise.
@@ -36,7 +37,7 @@ frame::FrameSettings withLoad(frame::FrameSettings, budget::Term, Load);
 /// The load at which the term has the share `wanted` of the full-quality frame, from its share at
 /// `now`.
 Load loadFor(budget::Term, double wanted, Load now, double share);
-/// The share of the terms in the full-quality frame; median of three.
+/// The share of the terms in the full-quality frame; median of seven.
 double shareOf(frame::Frame&, const scene::Camera&);
 /// The load at which the scene's term has the paper's share on this device, found in steps; its
 /// share at the paper's own load is printed.

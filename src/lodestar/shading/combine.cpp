@@ -50,8 +50,7 @@ gpu::Kernel makeFromS(const gpu::Device& device, const char* name,
     const upsample::Reconstruct kind = options.reconstruct;
     return makeKernel<shared::CombineFromSParams>(
         device, name, kFromSCode, features, options,
-        {Slot::sampledImage, Slot::sampledImage, Slot::storageBuffer, Slot::storageBuffer,
-         Slot::texelBuffer},
+        {Slot::sampledImage, Slot::storageBuffer, Slot::storageBuffer, Slot::texelBuffer},
         {upsample::domainOf(kind), upsample::isGuided(kind),
          listing && upsample::isBilateral(kind)});
 }
@@ -103,7 +102,6 @@ void Combine::recordFromS(gpu::Recorder& rec, const Inputs& in,
     const auto pass = rec.pass("combine");
     std::vector<gpu::Binding> all = bindings(in, radiance);
     all.emplace_back(termsOnS.coarse, pointSampler);
-    all.emplace_back(termsOnS.normal, pointSampler);
     all.emplace_back(list ? list->header : noList);
     all.emplace_back(list ? list->listed : noList);
     rec.dispatchTiles(list ? fromSWithList : fromS, radiance.extent, in.tiles, all, params);

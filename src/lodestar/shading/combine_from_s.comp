@@ -13,10 +13,9 @@ layout(constant_id = 5) const uint kRange = 1;
 layout(constant_id = 6) const uint kRepair = 0;  // 1: list the pixels that no tap is like
 
 layout(binding = 8) uniform usampler2D coarse;
-layout(binding = 9) uniform usampler2D normal;  // in view space
-layout(binding = 10, scalar) buffer Header { RepairHeader repair; };
-layout(binding = 11, scalar) writeonly buffer List { uint listed[]; };
-layout(binding = 12) uniform usamplerBuffer tiles;
+layout(binding = 9, scalar) buffer Header { RepairHeader repair; };
+layout(binding = 10, scalar) writeonly buffer List { uint listed[]; };
+layout(binding = 11) uniform usamplerBuffer tiles;
 layout(push_constant, scalar) uniform Push { CombineFromSParams params; };
 
 #include "../upsample/list_repair.glsl"
@@ -27,8 +26,9 @@ void main() {
     if (any(greaterThanEqual(pixel, ivec2(params.size)))) return;
     const float depth = texelFetch(surfaceDepth, pixel, 0).x;
     Likeness like;
+    const vec3 normal = unpackNormal(texelFetch(surfaceMaterial, pixel, 0).w);
     const vec4 term =
-        reconstruct(pixel, depth, texelFetch(normal, pixel, 0).x, params.from, like);
+        reconstruct(pixel, depth, mat3(view.viewFromWorld) * normal, params.from, like);
     if (kRepair != 0 && depth > 0) listForRepair(pixel, params.size, like, params.from);
     combine(pixel, centreOf(pixel, params.size), depth, term);
 }

@@ -3,7 +3,6 @@
 // included: the constants kDomain, kRange and kRepair, and the texture `coarse` of grid S.
 #ifndef LS_RECONSTRUCT_GLSL
 #define LS_RECONSTRUCT_GLSL
-#include "../shared/octahedral.h"
 #include "coarse_texel.glsl"
 #include "reconstruct_params.h"
 
@@ -64,8 +63,8 @@ struct Likeness {
     float spread;  // how far the taps that are like it lie apart; with kRepair alone
 };
 
-/// The terms of a pixel at depth `z`, 0 being the background, with a packed view-space normal.
-vec4 reconstruct(ivec2 pixel, float z, uint normal, ReconstructParams from, out Likeness like) {
+/// The terms of a pixel at depth `z`, 0 being the background, with a view-space normal.
+vec4 reconstruct(ivec2 pixel, float z, vec3 normal, ReconstructParams from, out Likeness like) {
     like = Likeness(0, 0);
     // x̂: the pixel's centre in texels of S, texel centres at integers.
     const vec2 at = (vec2(pixel) + 0.5) * from.inverseRate - 0.5;
@@ -76,7 +75,7 @@ vec4 reconstruct(ivec2 pixel, float z, uint normal, ReconstructParams from, out 
     domainWeights(at.x - anchor.x, wx);
     domainWeights(at.y - anchor.y, wy);
 
-    const vec2 n = foreshortened(unpackNormal(normal));
+    const vec2 n = foreshortened(normal);
     const float perZ = z > 0 ? 1 / z : 0;
     const ivec2 last = ivec2(from.size) - 1;
 

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #version 460
+#include "../shared/octahedral.h"
 #include "../shared/tiles.glsl"
 #include "upsample_params.h"
 
@@ -36,6 +37,7 @@ void main() {
     if (any(greaterThanEqual(pixel, ivec2(params.fullSize)))) return;
     const float z = texelFetch(depth, pixel, 0).x;
     Likeness like;
-    write(pixel, reconstruct(pixel, z, texelFetch(normal, pixel, 0).x, params.from, like));
+    const vec3 n = unpackNormal(texelFetch(normal, pixel, 0).x);
+    write(pixel, reconstruct(pixel, z, n, params.from, like));
     if (kRepair != 0 && z > 0) listForRepair(pixel, params.fullSize, like, params.from);
 }
