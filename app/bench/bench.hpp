@@ -107,6 +107,20 @@ struct OpenCase {
 };
 /// Opens it, and says so on standard output.
 Result<OpenCase> openCase(const BenchCase&, const BenchOptions&);
+/// The rounds of a bench, the measured ones three by three: before each three comes one with frames
+/// made anew that is not measured. Where a driver puts a kernel or an image may be worth a tenth of
+/// a pass, and some methods would have the luck of it in all their rounds.
+class RoundsInSets {
+public:
+    explicit RoundsInSets(int measuredRounds) : measured(measuredRounds) {}
+    int count() const { return measured + (measured + kOfSet - 1) / kOfSet; }
+    static bool opensSet(int round) { return round % (kOfSet + 1) == 0; }
+
+private:
+    static constexpr int kOfSet = 3;
+    int measured;
+};
+
 /// Calls `render`, which gives gpu::FrameTimes, twice at least and until the device has worked for
 /// 0.2 s: one that was idle has turned its clock down, and takes tens of milliseconds to turn it up
 /// again.

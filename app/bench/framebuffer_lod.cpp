@@ -28,10 +28,6 @@ using budget::median;
 using budget::Term;
 using upsample::Reconstruct;
 
-/// Rounds with one set of frames, the first of which is not measured. Where a driver puts a kernel
-/// may be worth a fifth of its time: later rounds have it put elsewhere.
-constexpr int kRoundsOfSet = 4;
-
 /// One way to spend less than full quality.
 struct Way {
     const char* name;
@@ -191,13 +187,12 @@ Result<void> measureScene(const Shown& shown, const BenchCase& what, const Bench
             all.push_back({.way = &way,
                            .rate = rate,
                            .repair = way.repair ? repairCap(share, covered, rate) : 0});
-    const int sets = (options.rounds + kRoundsOfSet - 2) / (kRoundsOfSet - 1);
-    const int rounds = options.rounds + sets;
-    Progress bar("measuring", static_cast<std::size_t>(rounds) * all.size());
+    const RoundsInSets rounds(options.rounds);
+    Progress bar("measuring", static_cast<std::size_t>(rounds.count()) * all.size());
     std::size_t done = 0;
     warmUp([&] { return frames->bilateral.render(camera, {}); });
-    for (int round = 0; round < rounds; ++round) {
-        const bool measured = round % kRoundsOfSet != 0;
+    for (int round = 0; round < rounds.count(); ++round) {
+        const bool measured = !RoundsInSets::opensSet(round);
         if (!measured && round > 0)
             frames = std::make_unique<Frames>(device, *session.gpuScene, settings);
         for (Measured& m : all) {

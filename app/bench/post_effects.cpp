@@ -21,7 +21,6 @@ namespace {
 namespace fs = std::filesystem;
 using budget::median;
 
-constexpr int kWarmUp = 1;
 constexpr std::array<std::uint32_t, 3> kRates{4, 16, 64};
 
 /// One way to make an effect.
@@ -109,7 +108,7 @@ Result<void> measure(const OpenCase& open, const BenchCase& what, const Subject&
     const auto& [session, camera] = open;
     const auto side = std::uint32_t(std::lround(std::sqrt(double(rate))));
     const bool large = base.width * side >= 3000;
-    const int rounds = large ? std::min(options.rounds, 3) : options.rounds;
+    const RoundsInSets rounds(options.rounds);
     frame::FrameSettings settings = options.settings;
     settings.size = vk::Extent2D{base.width * side, base.height * side};
     // The rest of the shading is the same for all and not what is timed.
@@ -117,11 +116,17 @@ Result<void> measure(const OpenCase& open, const BenchCase& what, const Subject&
     settings.skyViews = std::min(settings.skyViews, 4u);
     std::array<Measured, kMethods.size()> all;
     Progress bar(fmt::format("{} {}x{}, rate {}", subject.name, base.width, base.height, rate),
-                 std::size_t(rounds + kWarmUp));
-    for (int round = -kWarmUp; round < rounds; ++round) {
-        if (round == 0) warmUp([&] { return all[0].frame->render(camera, {}); });
+                 std::size_t(rounds.count()));
+    for (int round = 0; round < rounds.count(); ++round) {
+        const bool opens = RoundsInSets::opensSet(round);
+        if (opens)
+            for (Measured& one : all) one.frame.reset();
+        if (RoundsInSets::opensSet(round - 1))
+            warmUp([&] { return all[0].frame->render(camera, {}); });
         for (std::size_t i = 0; i < kMethods.size(); ++i) {
             Measured& one = all[i];
+            // Full rate is there to judge by: at UHD it takes gigabytes.
+            if (kMethods[i].fullRate && (round > 0 || (large && rate == 64))) continue;
             if (!one.frame) {
                 subject.enable(settings.post);
                 settings.post.downsampled = kMethods[i].downsampled;
@@ -130,15 +135,13 @@ Result<void> measure(const OpenCase& open, const BenchCase& what, const Subject&
                     std::make_unique<frame::Frame>(*session.device, *session.gpuScene, settings);
             }
             const std::uint32_t used = kMethods[i].fullRate ? 1 : rate;
-            // Full rate is there to judge by: at UHD it takes gigabytes.
-            if (kMethods[i].fullRate && (round >= 0 || (large && rate == 64))) continue;
             const auto times = one.frame->render(camera, {.postRates = {used, used, used}});
             settings.exposure = one.frame->settings().exposure;  // metered once
-            if (round >= 0) one.add(times, subject);
-            if (round < 0) one.picture = readDisplay(*session.device, *one.frame);
+            if (!opens) one.add(times, subject);
+            if (round == 0) one.picture = readDisplay(*session.device, *one.frame);
             if (kMethods[i].fullRate) one.frame.reset();
         }
-        bar.update(std::size_t(round + kWarmUp + 1));
+        bar.update(std::size_t(round + 1));
     }
     bar.erase();
     const quality::RgbImage& reference = all[kReference].picture;
@@ -152,7 +155,7 @@ Result<void> measure(const OpenCase& open, const BenchCase& what, const Subject&
                  {"size", fmt::format("{}x{}", base.width, base.height)},
                  {"rate", rate},
                  {"method", kMethods[i].name},
-                 {"rounds", rounds}};
+                 {"rounds", options.rounds}};
         row["capture_ms"] = median(one.capture);
         row["rebuild_ms"] = median(one.rebuild);
         row["inputs_ms"] = median(one.inputs);
